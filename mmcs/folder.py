@@ -1,25 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """The folder of a run's results: whole or not at all, whatever ends the run and whenever.
 
-New results are made in a folder of their own inside it. When the last of them is there, one file
-says so, and from that instant on they are the results: the run moves them to their places, or, if
-it was killed meanwhile, whoever looks next. Before that instant the earlier results stand.
+New results are made in a folder of their own inside it; until the last of them is there the earlier
+results stand. The report leaves first and comes last: a folder without it is no run.
 """
 
 import fcntl
-import json
 import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from mmcs.errors import InputError
-from mmcs.files import read_json
 
-RESULTS = ("report.json", "log.csv", "bus.csv", "plot.svg", "run.mmcs", "run.mmsnap")
-STAGE, WHOLE, LOCK = ".new", "whole.json", ".lock"
+RESULTS = ("report.json", "log.csv", "bus.csv", "plot.svg", "run.mmcs")
+STAGE, LOCK = ".new", ".lock"
 
 
 def check_folder(folder: Path) -> None:
@@ -54,51 +51,20 @@ def _check_writable(folder: Path) -> None:
 def writing(folder: Path) -> Iterator[Path]:
     """Where this run may put its results. InputError when another run is at work here."""
     with lock(folder, "run"):
-        settle(folder)
         stage = folder / STAGE
         shutil.rmtree(stage, ignore_errors=True)
         try:  # a signal may come with the folder just made
             stage.mkdir()
             yield stage
-            names = sorted(path.name for path in stage.iterdir())
-            for name in names:
-                _sync(stage / name)
-            with whole_file(stage / WHOLE) as path:
-                path.write_text(json.dumps(names))
-        except BaseException:
+            for path in stage.iterdir():
+                _sync(path)
+            for name in RESULTS:
+                (folder / name).unlink(missing_ok=True)
+            for name in reversed(RESULTS):
+                if (stage / name).exists():
+                    os.replace(stage / name, folder / name)
+        finally:
             shutil.rmtree(stage, ignore_errors=True)
-            raise
-        settle(folder)
-
-
-def settle(folder: Path) -> None:
-    """Results that are whole and not yet in their places get there."""
-    if not (folder / STAGE / WHOLE).exists():
-        return
-    with _locked(folder, fcntl.LOCK_EX):
-        stage = folder / STAGE
-        if not (stage / WHOLE).exists():  # somebody else has done it
-            return
-        names = _names(stage)
-        for name in set(RESULTS) - set(names):  # of an earlier run
-            (folder / name).unlink(missing_ok=True)
-        for name in names:
-            with suppress(FileNotFoundError):  # moved before a kill
-                os.replace(stage / name, folder / name)
-        (stage / WHOLE).unlink()
-        shutil.rmtree(stage, ignore_errors=True)
-
-
-def _names(stage: Path) -> list[str]:
-    """Of what is whole. Folders come from anywhere, and so does what they say of themselves."""
-    try:
-        names = read_json(stage / WHOLE)
-    except ValueError:
-        names = None
-    if not isinstance(names, list) or not all(name in RESULTS for name in names):
-        shutil.rmtree(stage, ignore_errors=True)
-        raise InputError.one(stage, "", None, "was not written by MMCS; it is removed")
-    return names
 
 
 def lock(folder: Path, what: str):
@@ -112,24 +78,6 @@ def lock(folder: Path, what: str):
         allowed = f"another {what} is writing here; wait for its end, or give another --out"
         raise InputError.one(folder, "", None, allowed) from None
     return held
-
-
-@contextmanager
-def reading(folder: Path) -> Iterator[None]:
-    """All that is read meanwhile is of one run."""
-    settle(folder)
-    with _locked(folder, fcntl.LOCK_SH):
-        yield
-
-
-@contextmanager
-def _locked(folder: Path, how: int) -> Iterator[None]:
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        fcntl.flock(handle, how)
-        yield
-    finally:
-        os.close(handle)
 
 
 def _sync(path: Path) -> None:

@@ -161,15 +161,16 @@ def campaign(*motions: str | Path, faults: int = 1000, seed: int = 1, sorts: tup
 
     motions: scenarios; those of `mmcs campaign` if none. Raises InputError as that refuses.
     """
-    from mmcs.sweeps.campaign import make_plan, make_twin, run_chunk
+    from mmcs.sweeps.campaign import make_plan, run_chunk
     from mmcs.sweeps.plan import MAX_RUNS
+    from mmcs.sweeps.twin import Twin
     from mmcs.sweeps.workers import cores, run_here
 
     count = _whole("faults", faults, 1, MAX_RUNS)
     crew = cores() if workers is None else _whole("workers", workers, 1)
     plan = make_plan(tuple(map(str, motions)), tuple(sorts), _whole("seed", seed, 0), tuple(sets))
     for setup in plan.setups.values():
-        make_twin(setup).close()  # a motion that stops by itself is told here
+        Twin(setup).close()  # a motion that stops by itself is told here
     chunks = list(plan.chunks(range(count)))
     rows = {}
     for numbers, answer in run_here(iter(chunks), min(crew, len(chunks)), run_chunk):

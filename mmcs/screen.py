@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What goes to the terminal: names and sentences of the user's are text and nothing else. And
-matplotlib, for pictures in files.
+"""What goes to the terminal: names and sentences of the user's are text and nothing else.
 
 Nothing else prints: a bracket is no markup here, an escape character no command, and a name that
 is no text at all is spelled out.
@@ -10,6 +9,7 @@ import contextlib
 import locale
 import os
 import sys
+import time
 
 import click
 
@@ -40,6 +40,32 @@ def console(stderr: bool = False):
                  _environ=told)  # fmt: skip
 
 
+@contextlib.contextmanager
+def progress(total: float, text: str, completed: float = 0, first_s: float = 0.0):
+    """A bar on stderr, once so many seconds have passed, if somebody watches; gives advance(done,
+    more text). text: with {task.completed} and {task.total}."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn(text),
+        BarColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[more]}"),
+    )
+    bar = Progress(*columns, console=console(stderr=True), transient=True)
+    task, began = bar.add_task("", total=total, completed=completed, more=""), time.monotonic()
+
+    def advance(done: float, more: str = "") -> None:
+        bar.update(task, completed=done, more=more)
+        if time.monotonic() - began >= first_s:
+            bar.start()
+
+    try:
+        yield advance
+    finally:
+        bar.stop()
+
+
 def cell(text: str, style: str = ""):
     """Of a table."""
     from rich.text import Text
@@ -61,21 +87,6 @@ def prepare() -> None:
         sys.stdout.flush()
         with contextlib.suppress(OSError):
             os.execv(sys.executable, [sys.executable, "-X", "utf8", "-m", "mmcs", *sys.argv[1:]])
-
-
-def pyplot():
-    """matplotlib.pyplot for files, whatever backend MPLBACKEND names: a notebook's may not exist
-    here, and would end the import."""
-    told = os.environ.pop("MPLBACKEND", None)
-    try:
-        import matplotlib
-    finally:
-        if told is not None:  # of the programs that are run
-            os.environ["MPLBACKEND"] = told
-    matplotlib.use("svg")
-    from matplotlib import pyplot as plt
-
-    return plt
 
 
 def shown(value: float | None) -> str:

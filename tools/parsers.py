@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every parser in Python with a good input, for those who damage inputs: attack.py and fuzz.py."""
 
-import hashlib
-import io
 import json
 import select
 import socket
 import struct
-import zipfile
 from pathlib import Path
 
 from mmcs import ROBOTS, ROOT, InputError
@@ -23,8 +20,8 @@ class Parser:
 def parsers(folder: Path) -> list[Parser]:
     """Files go into this folder."""
     return [
-        _scenario(folder), _robot(folder), _record(folder), _snapshot(folder), _rows(), _grid(),
-        _wire(folder), _messages(folder), _stop(folder),
+        _scenario(folder), _robot(folder), _record(folder), _rows(), _grid(), _wire(folder),
+        _messages(folder), _stop(folder),
     ]  # fmt: skip
 
 
@@ -73,28 +70,6 @@ def _record(folder: Path) -> Parser:
     good = json.dumps(_good_record()).encode()
     refusals = (InputError, ValueError)  # whose sentence read_record() tells
     return Parser("record", good, lambda data: parse(folder / "x", loads(data)), refusals)
-
-
-def _snapshot(folder: Path) -> Parser:
-    from mmcs.runs.snapshots import Snapshot
-
-    sizes = {"history.bin": 64, "0.bin": 64, "log.bin": 128, "truth.bin": 24}
-    members = {"record.json": json.dumps(_good_record()).encode()}
-    members |= {name: bytes(size) for name, size in sizes.items()}
-    one = {"t": 0.0, "clock": 800, "rows": 2, "ring": True, "asked": None}
-    index = {"snapshots": [one], "pots": {"0": [1, 2]}, "log": [2, 8], "truth": [1, 3],
-             "sha256": {n: hashlib.sha256(m).hexdigest() for n, m in members.items()}}  # fmt: skip
-
-    text, packed = json.dumps(index).encode(), io.BytesIO()
-    with zipfile.ZipFile(packed, "w") as file:
-        for name, data in (members | {"index.json": text}).items():
-            file.writestr(name, data)
-        file.comment = hashlib.sha256(text).hexdigest().encode()
-
-    def take(data: bytes) -> None:
-        Snapshot(_written(folder / "run.mmsnap", data))
-
-    return Parser("snapshot", packed.getvalue(), take)
 
 
 def _rows() -> Parser:

@@ -266,15 +266,20 @@ static inline double motion_begin(struct motion *m, struct motion_point *from) {
   return motion_knot(m, m->used - 1)->time;
 }
 
-/* The most that the common way from 0 to 1 may do: 1/s, 1/s^2. */
-static inline void motion_limits(const struct motion *m, const struct motion_point *from,
-                                 const double *to, double share, double *speed, double *rise) {
+/* The most that the common way from 0 to 1 may do: 1/s, 1/s^2. 1; 0 there already, -1 nowhere. */
+static inline int motion_limits(const struct motion *m, const struct motion_point *from,
+                                const double *to, double share, double *speed, double *rise) {
+  double whole = 0;
   *speed = *rise = INFINITY;
   for (int i = 0; i < m->axes; i++) {
     double way = fabs(to[i] - from->position[i]);
     *speed = fmin(*speed, share * m->axis[i].speed / way);
     *rise = fmin(*rise, share * m->axis[i].acceleration / way);
+    whole += way;
   }
+  if (isfinite(whole)) return whole > 0;
+  errno = EINVAL;
+  return -1;
 }
 
 /* A knot on the straight way: so far, at this speed and with this acceleration of the whole. */
@@ -294,8 +299,8 @@ static inline int motion_put_share(struct motion *m, double time, const struct m
 static inline int motion_trapezoid(struct motion *m, const double *to, double share) {
   struct motion_point from;
   double speed, a, t = motion_begin(m, &from);
-  motion_limits(m, &from, to, share, &speed, &a);
-  if (isinf(speed)) return 0; /* there already */
+  int moves = motion_limits(m, &from, to, share, &speed, &a);
+  if (moves <= 0) return moves;
   double v = fmin(speed, sqrt(a)), ramp = v / a, flat = fmax(1 / v - ramp, 0), half = v * ramp / 2;
   if (MOTION_KNOTS - m->used < 6) {
     errno = EAGAIN;
@@ -317,8 +322,8 @@ static inline int motion_trapezoid(struct motion *m, const double *to, double sh
 static inline int motion_quintic(struct motion *m, const double *to, double share) {
   struct motion_point from;
   double speed, a, t = motion_begin(m, &from);
-  motion_limits(m, &from, to, share, &speed, &a);
-  if (isinf(speed)) return 0;
+  int moves = motion_limits(m, &from, to, share, &speed, &a);
+  if (moves <= 0) return moves;
   if (MOTION_KNOTS - m->used < 2) {
     errno = EAGAIN;
     return -1;

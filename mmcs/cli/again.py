@@ -46,9 +46,9 @@ def trace(
 ) -> None:
     """Waveforms of a stretch of a run, with a prepared view.
 
-    RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again from the nearest
-    of its snapshots, in the stretch clock by clock with all assertions live. Without --at the
-    stretch begins at the first event, or where the motion begins.
+    RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again, in the stretch
+    clock by clock with all assertions live. Without --at the stretch begins at the first event, or
+    where the motion begins.
     """
     from mmcs.folder import check_file
     from mmcs.runs import replay as replays
@@ -60,11 +60,9 @@ def trace(
     record, good = _made(run)
     from_s, to_s = replays.stretch(record, at, window, whole)
     path = check_file(out or replays.default_path(record, from_s, to_s))
-    snapshot, where, other_build = replays.trace(record, path, from_s, to_s)
+    where, other_build = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s
     echo(f"{path}: {begin:.6f} to {end:.6f} s of motion ({from_s:.6f} s after power-on)")
-    origin = "power-on" if snapshot is None else f"the snapshot at {snapshot:.6f} s"
-    echo(f"made again from {origin}")
     write_views(path)
     if where is None:
         echo(f"the run made again has the same hash, {record.hash}")

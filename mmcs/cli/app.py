@@ -192,59 +192,23 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 
 
 @main.command()
-@click.argument("scenario", metavar="SCENARIO", required=False)
+@_scenario
 @click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where results go.")
 @_host
 @click.option("--trace", type=click.Path(path_type=Path), metavar="FILE.fst", help="Record waves.")
 @click.option("--realtime", is_flag=True, help="Not faster than the clock on the wall.")
 @click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
-@click.option("--no-skip", is_flag=True, help="Evaluate every clock; the same result, later.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
-@click.option("--snapshot", "times", multiple=True, type=float, metavar="T", help="Keep one of T.")
-@click.option("--from", "origin", metavar="RUN[@T]", help="Go on from a snapshot of a run.")
 @click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
 @click.option("-v", "verbose", is_flag=True, help="Also the cache's hits, and how soon it moved.")
-def run(
-    scenario,
-    duration,
-    out,
-    host,
-    trace,
-    realtime,
-    seed,
-    no_skip,
-    sets,
-    times,
-    origin,
-    bus,
-    verbose,
-) -> None:
+def run(scenario, duration, out, host, trace, realtime, seed, sets, bus, verbose) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     from mmcs.engine import hosts
 
     hosts.check(host or "native")
     if trace is not None and trace.suffix != ".fst":
         raise InputError.one("--trace", "", str(trace), "must be a file name ending in .fst")
-    if origin is not None:
-        given = {
-            "SCENARIO": scenario,
-            "--host": host,
-            "--trace": trace,
-            "--seed": seed,
-            "--set": sets or None,
-            "--no-skip": no_skip or None,
-            "--bus": bus or None,
-        }
-        for name, value in given.items():
-            if value is not None:
-                allowed = "not together with --from: the snapshot decides"
-                raise InputError.one(name, "", None, allowed)
-        sys.exit(0 if _run_from(origin, duration, out, realtime, verbose) else 1)
-    if no_skip:
-        sets = (*sets, "skip=false")
-    if scenario is None:
-        raise InputError.one("SCENARIO", "", None, "name one, or a snapshot with --from")
     from functools import partial
 
     from mmcs.runs.runner import run_scenario, simulate
@@ -252,16 +216,10 @@ def run(
 
     setup = load(scenario, sets, duration=duration, seed=seed)
     host = host or setup.host
-    for t in times:
-        if not 0 <= t <= setup.scenario.duration:
-            allowed = f"must be 0 to {setup.scenario.duration:g} s"
-            raise InputError.one("--snapshot", "", t, allowed)
     name = setup.name if host == "native" else f"{setup.name}-{host}"
     folder = out or results("runs", setup.path) / name
     _check_places(folder, trace)
-    carry_out = partial(
-        simulate, trace=trace, realtime=realtime, snapshots_at=times, host=host, bus=bus
-    )
+    carry_out = partial(simulate, trace=trace, realtime=realtime, host=host, bus=bus)
     good = run_scenario(
         setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
     )
@@ -296,21 +254,6 @@ def compile_(scenario, out, sets, host, cflags, libs) -> None:
     words = execute.cflags(modern=True) if cflags else []
     words += libraries.linked(path.absolute(), library_of(setup), cflags, libs)
     echo(" ".join(words))
-
-
-def _run_from(origin, duration: float | None, out: Path | None, realtime, verbose) -> bool:
-    from mmcs.runs.runner import run_scenario
-    from mmcs.runs.snapshots import Snapshot, resume
-
-    snapshot = Snapshot(origin)
-    setup = snapshot.setup(duration)
-    folder = out or results("runs") / f"{setup.name}-from-{snapshot.t:.6f}"
-    _check_places(folder, None)
-    echo(f"from the snapshot at {snapshot.t:.6f} s of {snapshot.path}")
-    return run_scenario(
-        setup, folder, realtime=realtime, host=snapshot.record.host, started=STARTED,
-        carry_out=lambda s: resume(s, snapshot, realtime), verbose=verbose,
-    )  # fmt: skip
 
 
 def _check_places(folder: Path, trace: Path | None) -> None:

@@ -27,8 +27,9 @@ def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resum
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """
-    from mmcs.sweeps.campaign import make_plan, make_twin
+    from mmcs.sweeps.campaign import make_plan
     from mmcs.sweeps.plan import MAX_RUNS
+    from mmcs.sweeps.twin import Twin
     from mmcs.sweeps.workers import cores
 
     if not 1 <= count <= MAX_RUNS:
@@ -44,7 +45,7 @@ def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resum
     chosen = tuple(word.strip() for word in sorts.split(",")) if sorts else ()
     plan = make_plan(motions, chosen, seed, sets)
     for setup in plan.setups.values():
-        make_twin(setup).close()
+        Twin(setup).close()
     if show is not None:
         _show(plan, show)
         return

@@ -2,15 +2,13 @@
 """`mmcs design`: control synthesis on the command line (§2.5)."""
 
 import json
-from pathlib import Path
 
 import click
 
-from mmcs.errors import InputError, RunError
+from mmcs.errors import InputError
 from mmcs.screen import echo
 
 OPTION = dict(type=float, default=0.0)
-PICTURES = (".svg", ".png", ".pdf")
 GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 
 
@@ -33,20 +31,14 @@ GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 @click.option("--robot", default="puma560", show_default=True, help="Robot file of the motor.")
 @click.option("--axis", type=int, default=0, show_default=True, help="Axis of that robot.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-@click.option("--c", "as_c", is_flag=True, help="Print C for struct mc_param.")
 @click.option("--toml", "as_toml", is_flag=True, help="Print what to paste into TOML files.")
-@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE", help="Bode, step, poles.")
-@click.option("--apply", "apply_to", type=int, metavar="AXIS", help="Set it on a running device.")
-@click.option("--dev", default="mc0", metavar="NAME", help="Server for --apply.")
 def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json,
-           as_c, as_toml, plot, apply_to, dev) -> None:  # fmt: skip
+           as_toml) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.scenario import synthesis as ds
     from mmcs.scenario.load import load_robot
     from mmcs.scenario.motor import compensation, expected_step, friction_and_limit, plant_of
 
-    if plot is not None and plot.suffix not in PICTURES:
-        raise InputError.one("--plot", "", str(plot), f"must end in {', '.join(PICTURES)}")
     _, motors = load_robot(robot)
     if not 0 <= axis < len(motors.axis):
         raise InputError.one("--axis", "", axis, f"the robot has axes 0 to {len(motors.axis) - 1}")
@@ -73,10 +65,6 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
         echo(_toml(k, ic, robot, axis, interval))
     elif as_json:
         echo(json.dumps(_report(c, k, ic, m, step, method, interval, warnings), indent=2))
-    elif as_c:
-        for name, values in (("a", k.a), ("b", k.b)):
-            echo(" ".join(f"par.{name}{n} = {v};" for n, v in enumerate(values)))
-        echo(f"par.ic_pos = {ic[0]}; par.ic_neg = {ic[1]}; par.mode |= COULCOMP;")
     else:
         _print(c, k, ic, m, step, method, interval)
         expected = [expected_step(k, motor, t)] if m.stable else []
@@ -84,14 +72,6 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
             echo(f"  {text}")
     for text in warnings:
         echo(f"warning: {text}", err=True)
-    if plot is not None:
-        from mmcs.folder import check_file, whole_file
-        from mmcs.scenario.design_plot import write_plot
-
-        with whole_file(check_file(plot)) as part:
-            write_plot(part, c, k, plant, t)
-    if apply_to is not None:
-        _apply(apply_to, k, dev, interval)
 
 
 def _controller(plant, p, i, d, tau, wn, zeta):
@@ -158,26 +138,3 @@ def _print(c, k, ic, m, step, method, interval) -> None:
         f"  gain margin {m.gain_db:.1f} dB, phase margin {m.phase_deg:.1f} deg at "
         f"{m.crossover:.1f} rad/s, sensitivity peak {m.peak:.2f}"
     )
-
-
-def _apply(axis: int, k, dev: str, interval: int) -> None:
-    """Only the compensator changes, between two samples; whoever runs the device keeps it."""
-    from mmcs.device.link import Link
-
-    try:
-        with Link(server=dev) as link:
-            link.request("open", mode="rw")
-            others = [c for c in link.request("clients")["clients"] if c["mode"]]
-            if len(others) < 2:
-                allowed = (
-                    "no program has the device open, and the next one to open it would reset this"
-                )
-                raise InputError.one("--apply", "", axis, allowed)
-            now = link.request("call", request="MGETINTERVAL")["value"]
-            if interval != now:
-                allowed = f"the device samples every {now} us"
-                raise InputError.one("--interval", "", interval, allowed)
-            link.request("change", axis=axis, param=k.named())
-    except OSError as error:
-        raise RunError(f"--apply {axis}: {error.strerror}") from None
-    echo(f"set on axis {axis}")

@@ -28,20 +28,17 @@ def export() -> None:
 
 @export.command()
 @click.argument("run", metavar="RUN")
-@click.option("--pictures", type=click.IntRange(2, 12), default=6, help="In the strip.")
 @click.option("--slower", type=click.FloatRange(0.1, 100), default=2.0, help="Times, in the GIF.")
-def film(run: str, pictures: int, slower: float) -> None:
-    """Draw the arm of a run: film.svg, a strip of pictures, and film.gif, in the run's folder."""
+def film(run: str, slower: float) -> None:
+    """Draw the arm of a run: film.gif, in the run's folder."""
     from mmcs.folder import whole_file
-    from mmcs.view.film import write_gif, write_strip
+    from mmcs.view.film import write_gif
     from mmcs.view.runs import read_run
 
     seen = read_run(run)
-    with whole_file(seen.folder / "film.svg") as part:
-        write_strip(seen, part, pictures)
     with whole_file(seen.folder / "film.gif") as part:
         frames = write_gif(seen, part, slower)
-    echo(f"{short(seen.folder / 'film.svg')}, {short(seen.folder / 'film.gif')} ({frames} frames)")
+    echo(f"{short(seen.folder / 'film.gif')} ({frames} frames)")
 
 
 @export.command()

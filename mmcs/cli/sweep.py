@@ -14,6 +14,7 @@ from mmcs.errors import InputError
 from mmcs.place import results
 from mmcs.screen import console as screen
 from mmcs.screen import echo
+from mmcs.screen import progress as bar
 
 TELL_EACH_S = 10.0  # without a terminal, a line so often
 
@@ -63,33 +64,25 @@ def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str):
 @click.option("--seed", type=int, default=1, metavar="S", help="Seed of the draws; 1.")
 @click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
 @click.option("--by", default="rms_error_counts", metavar="FIGURE", help="What ranks the runs.")
-@click.option("--format", "form", default="csv", metavar="csv|parquet", help="Of the table.")
 @many_runs("sweep")
-def sweep(
-    scenario, grid, drawn, samples, seed, duration, sets, by, workers, dask, out, form, resume
-):
+def sweep(scenario, grid, drawn, samples, seed, duration, sets, by, workers, dask, out, resume):
     """Run a scenario over many values: status 0 all met, 1 some missed or failed, 2 bad input.
 
     --grid combines all values of all grids; --random draws, the same draws at every grid point.
     """
     from mmcs.sweeps.plan import make_plan
-    from mmcs.sweeps.store import FORMATS, check_figure, check_format
+    from mmcs.sweeps.store import check_figure
     from mmcs.sweeps.workers import cores, run_row
 
-    if form not in FORMATS:
-        raise InputError.one("--format", "", form, "must be csv or parquet")
     check_workers(workers, dask)
-    check_format(form)
     plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
     first = plan.first()
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
     with kept(folder, plan, first, resume, dask, "sweep") as (store, client):
-        for text in plan.cautions():
-            echo(f"caution: {text}")
         tasks = _tasks(plan, store)
         whole = carry_out(store, len(plan), tasks, client, workers or cores(), run_row) is not None
-    sys.exit(_finish(plan, store.rows, folder, by, form, whole))
+    sys.exit(_finish(plan, store.rows, folder, by, whole))
 
 
 def _tasks(plan, store):
@@ -156,38 +149,26 @@ def progress(total: int, store, what: str):
 
         yield tell
         return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-    from rich.progress import TimeRemainingColumn as Remaining
-
-    columns = (MofNCompleteColumn(), TextColumn(what), BarColumn(), Remaining(),
-               TextColumn("{task.fields[bad]}"))  # fmt: skip
-    bar = Progress(*columns, console=screen(stderr=True), transient=True)
-    with bar:
-        task = bar.add_task("sweep", total=total, completed=len(store.rows), bad="")
-
-        def advance() -> None:
-            bad = f"{store.bad} missed or failed" if store.bad else ""
-            bar.update(task, completed=len(store.rows), bad=bad)
-
-        yield advance
+    text = f"{{task.completed}}/{{task.total}} {what}"
+    with bar(total, text, completed=len(store.rows)) as tell:
+        yield lambda: tell(len(store.rows), f"{store.bad} missed or failed" if store.bad else "")
 
 
-def _finish(plan, rows: dict, folder: Path, by: str, form: str, whole: bool) -> int:
+def _finish(plan, rows: dict, folder: Path, by: str, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
-    from mmcs.sweeps.store import print_summary, write_plot, write_table
+    from mmcs.sweeps.store import TABLE, print_summary, write_table
 
     console = screen()
     rows = {n: rows[n] for n in sorted(rows) if n < len(plan)}
     if rows:
-        write_table(folder, plan, rows, form)
+        write_table(folder, plan, rows)
         print_summary(plan, rows, by, console)
-        write_plot(folder, plan, rows, by)
     missed = sum(row["status"] == "missed" for row in rows.values())
     lost = sum(row["status"] == "failed" for row in rows.values())
     if missed or lost:
         console.print(f"{missed} of {len(rows)} runs missed an expectation, {lost} failed")
     done = "" if whole else f"{len(rows)} of {len(plan)} runs"
-    return ended(console, folder, f"table.{form}, plot.svg", done, bool(missed or lost))
+    return ended(console, folder, TABLE, done, bool(missed or lost))
 
 
 def ended(console, folder: Path, files: str, stopped: str, bad: bool) -> int:

@@ -3,13 +3,11 @@
 
 import functools
 import sys
-import time
-from contextlib import contextmanager
+from contextlib import nullcontext
 from pathlib import Path
 
 from mmcs.scenario.compiled import compile_setup
 from mmcs.scenario.setup import Setup
-from mmcs.screen import console
 
 
 def machine(
@@ -38,32 +36,13 @@ def machine(
     return Sim(library, compile_setup(setup, build_id(lib), lambda: input_names(lib), skip, on))
 
 
-@contextmanager
 def progress(duration: float):
     """A bar, once the run has taken a second, if somebody watches."""
     if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+        return nullcontext(lambda _: None)
+    from mmcs.screen import progress as bar
 
-    began, bar, task = time.monotonic(), None, None
-
-    def advance(done: float) -> None:
-        nonlocal bar, task
-        if bar is None and time.monotonic() - began > 1.0:
-            columns = (TextColumn("{task.completed:.2f} s of {task.total:g} s simulated"),
-                       BarColumn(), TimeRemainingColumn())  # fmt: skip
-            bar = Progress(*columns, console=console(stderr=True), transient=True)
-            bar.start()
-            task = bar.add_task("run", total=duration)
-        if bar is not None:
-            bar.update(task, completed=done)
-
-    try:
-        yield advance
-    finally:
-        if bar is not None:
-            bar.stop()
+    return bar(duration, "{task.completed:.2f} s of {task.total:g} s simulated", first_s=1.0)
 
 
 @functools.cache

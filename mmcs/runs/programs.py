@@ -21,8 +21,6 @@ class ProgramSession(Session):
     """Time 0 is power-on, and the programs begin then; events count from there. The run ends with
     the last program, or with the duration, which ends them."""
 
-    look_s: float | None = None  # between looks at the physics, if not as the scenario wants it
-
     def __init__(self, *args, quiet: bool = False, **more):
         """quiet: what programs and driver print is dropped."""
         super().__init__(*args, **more)
@@ -62,7 +60,7 @@ class ProgramSession(Session):
     def _serve(self, server: Server, children: list[subprocess.Popen], progress) -> bool:
         """From look to look at the physics; False when an assertion of the model failed."""
         steps, duration = server.lockstep, self.setup.scenario.duration
-        step = self.look_s or (WATCH_S if self.setup.scenario.event else CHUNK_S)
+        step = WATCH_S if self.setup.scenario.event else CHUNK_S
         looks = max(1, round(duration / step))
         self._watch(0.0)
         for look in range(1, looks + 1):

@@ -14,13 +14,9 @@ import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from mmcs import __version__, logcols
-from mmcs.engine.rows import BLOCK
+from mmcs import __version__
 from mmcs.errors import InputError
-from mmcs.files import LONGEST_S, is_name, loads, log_lines, open_file, read_json, short
-from mmcs.folder import settle
+from mmcs.files import LONGEST_S, is_name, loads, read_json, short
 from mmcs.place import run_file
 from mmcs.scenario.compiled import inline
 
@@ -107,7 +103,6 @@ def find_run(name: str) -> Path:
 
 def read_record(name: str) -> Record:
     path = find_run(name)
-    settle(path.absolute().parent)
     try:
         return parse(path, read_json(path))
     except ValueError as error:
@@ -186,63 +181,12 @@ def _decode(text: str) -> bytes:
 # --- where a replay parts ----------------------------------------------------------------------
 
 
-def first_difference(record: Record, log: np.ndarray, points) -> str | None:
-    """Where this log first differs from the run's, in one sentence; None when nothing does."""
-    return (
-        _by_points(record, points, before_motion=True)
-        or _by_log_file(record, log)
-        or _by_points(record, points)
-    )
-
-
-def _name(column: int) -> str:
-    if column == 0:
-        return "time"
-    axis, place = divmod(column - 1, len(logcols.FIELDS))
-    return f"axis {axis}, {logcols.FIELDS[place]}"
-
-
-def _by_log_file(record: Record, log: np.ndarray) -> str | None:
-    """Exactly, with both values, when the run's log.csv still lies beside its record."""
-    width = log.shape[1]
-    rounding = np.full(width, 0.5)  # whole numbers, but for time and angles
-    rounding[0] = 0.6e-6
-    rounding[len(logcols.FIELDS) :: len(logcols.FIELDS)] = 0.6e-9
-    at, found = 0, None
-    try:
-        with open_file(record.path.with_name("log.csv")) as file:
-            next(log_lines(file, 1), None)
-            for lines in log_lines(file, BLOCK):
-                then = np.loadtxt(lines, delimiter=",", ndmin=2)
-                now = log[at : at + len(then)]
-                if then.shape[1] != width:
-                    return None  # another run's
-                if found is None:
-                    found = _first_in(then[: len(now)], now, rounding, at)
-                at += len(then)
-    except (OSError, ValueError):
-        return None
-    return found if at == record.samples else None
-
-
-def _first_in(then: np.ndarray, now: np.ndarray, rounding: np.ndarray, at: int) -> str | None:
-    differs = np.argwhere(~(np.abs(then - now) <= rounding))
-    if not len(differs):
-        return None
-    row, column = map(int, differs[0])
-    return (
-        f"sample {at + row} (t = {now[row, 0]:.6f} s), {_name(column)}: "
-        f"{then[row, column]:.10g} in the run, {now[row, column]:.10g} now"
-    )
-
-
-def _by_points(record: Record, points, before_motion: bool = False) -> str | None:
-    """Of the samples before the motion, and of what no sample shows."""
+def first_difference(record: Record, points) -> str | None:
+    """Between which running hashes these first differ from the run's, in one sentence; None when
+    nothing does: of the samples, and of what no sample shows."""
     now = {p[0]: p for p in points}
     before = 0
     for samples, clock, hash_, trail in record.points:
-        if before_motion and clock > record.motion_start_s * record.clk_hz:
-            break
         ours = now.get(samples)
         if ours is None:
             return f"servo sample {samples}: it never comes"

@@ -21,11 +21,14 @@ def replay(record: Record) -> tuple[str, str | None, str]:
 
     with tempfile.TemporaryDirectory() as folder:
         result = simulate(record.setup(Path(folder)), host=check(record.host, record.path, "host"))
-    other = _other_build(record, result)
+    return result.hash, _difference(record, result), _other_build(record, result)
+
+
+def _difference(record: Record, result) -> str | None:
     if result.hash == record.hash:
-        return result.hash, None, other
-    where = first_difference(record, result.log, result.checkpoints)
-    return result.hash, where or "only in the registers at the end", other
+        return None
+    where = first_difference(record, result.checkpoints)
+    return where or "only in the registers at the end"
 
 
 def _other_build(record: Record, result) -> str:
@@ -100,52 +103,16 @@ def _event_time(record: Record, kind: str) -> float:
     raise InputError.one("--at", "", kind, allowed)
 
 
-def trace(
-    record: Record, path: Path, from_s: float, to_s: float
-) -> tuple[float | None, str | None, str]:
-    """Makes the run again with waveforms of this stretch: the snapshot's time of motion that it
-    began at (None: at power-on), where it differs (None: nowhere), and what is said of another
-    build.
+def trace(record: Record, path: Path, from_s: float, to_s: float) -> tuple[str | None, str]:
+    """Makes the run again with waveforms of this stretch: where it differs (None: nowhere), and
+    what is said of another build.
 
-    The nearest snapshot of the run is gone on from without waveforms; the stretch is the trace
-    build's, clock by clock, with assertions; the rest is without them again. The hash at the end
-    is of all of it, which proves that the waveforms are those of the run.
+    The stretch is the trace build's, clock by clock, with assertions; the rest is without
+    waveforms. The hash at the end is of all of it, which proves that the waveforms are those of the
+    run.
     """
-    snapshot = _nearest(record, from_s)
-    try:
-        result = _traced(record, path, (from_s, to_s), snapshot)
-    except InputError:
-        if snapshot is None:
-            raise
-        snapshot = None  # of another build of the simulator
-        result = _traced(record, path, (from_s, to_s), None)
-    began, other = None if snapshot is None else snapshot.t, _other_build(record, result)
-    if result.assertion:
-        notes = [n["text"] for n in result.notes if n["kind"] == "assert"]
-        return began, "an assertion of the model fails: " + (notes or ["no text"])[-1], other
-    if result.hash == record.hash:
-        return began, None, other
-    where = first_difference(record, result.log, result.checkpoints)
-    return began, where or "only in the registers at the end", other
-
-
-def _nearest(record: Record, from_s: float):
-    """The last snapshot of the run before this; None without one. Client processes are in none."""
-    from mmcs.runs.snapshots import NAME, Snapshot
-
-    if from_s < record.motion_start_s or {"process", "program"} & set(record.data):
-        return None
-    try:
-        found = Snapshot(f"{record.path.with_name(NAME)}@{from_s - record.motion_start_s}")
-    except InputError:
-        return None
-    return found if found.record.hash == record.hash else None
-
-
-def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
     from mmcs.runs.machine import machine, progress
     from mmcs.runs.programs import session_of
-    from mmcs.runs.snapshots import ResumedSession
     from mmcs.runs.stretch import Changing
 
     host = check(record.host, record.path, "host")
@@ -156,9 +123,13 @@ def _traced(record: Record, path: Path, stretch: tuple[float, float], snapshot):
             machine(setup, "trace", host=host) as traced,
             progress(setup.scenario.duration) as advance,
         ):
-            sim = Changing(quick, traced, path, stretch, record.motion_start_s)
-            session = ResumedSession(sim, setup, snapshot) if snapshot else session_of(sim, setup)
-            return session.run(advance)
+            sim = Changing(quick, traced, path, (from_s, to_s), record.motion_start_s)
+            result = session_of(sim, setup).run(advance)
+    other = _other_build(record, result)
+    if result.assertion:
+        notes = [n["text"] for n in result.notes if n["kind"] == "assert"]
+        return "an assertion of the model fails: " + (notes or ["no text"])[-1], other
+    return _difference(record, result), other
 
 
 def default_path(record: Record, from_s: float, to_s: float) -> Path:

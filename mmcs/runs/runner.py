@@ -8,7 +8,6 @@ import shlex
 from dataclasses import replace
 from pathlib import Path
 
-from mmcs.errors import out_of_memory
 from mmcs.files import LONGEST_S, short
 from mmcs.runs.programs import absolute
 from mmcs.scenario.setup import Setup, make_setup
@@ -35,9 +34,9 @@ def run_scenario(
     from mmcs.folder import check_folder, writing
     from mmcs.runs import record as records
     from mmcs.runs import report as reports
-    from mmcs.runs import snapshots
     from mmcs.screen import console as screen
     from mmcs.service import bus_lines
+    from mmcs.view.plot import write_plot
 
     for place in [folder] + ([trace.parent] if trace else []):
         check_folder(place)
@@ -48,12 +47,8 @@ def run_scenario(
         reports.write_report(report, stage)
         if result.bus is not None:
             (stage / "bus.csv").write_bytes(bus_lines(result.bus))
-        lacking = _spared(stage / "plot.svg", lambda path: _draw(result, path))
-        record = records.make_record(result, host)
-        records.write_record(record, stage)
-        lacking += _spared(
-            stage / snapshots.NAME, lambda path: snapshots.write_snapshots(path, record, result)
-        )
+        write_plot(result, stage / "plot.svg")
+        records.write_record(records.make_record(result, host), stage)
     console = screen(stderr=stderr)
     reports.print_report(report, result, console, verbose)
     if verbose and result.first_motion_wall and started:
@@ -63,39 +58,17 @@ def run_scenario(
             told = float(os.environ["MMCS_STARTED"])
         began = told if started - A_DAY_S < told <= started else started
         console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
-    if lacking:
-        console.print(f"out of memory: without {' and '.join(lacking)}")
-    plot = () if "plot.svg" in lacking else (folder / "plot.svg",)
-    files = [f"{short(file)}" for file in (*plot, *([trace] if trace else []))]
+    files = [f"{short(file)}" for file in (folder / "plot.svg", *([trace] if trace else []))]
     console.print(", ".join([f"results in {short(folder)}", *files]))
     if result.hash and not stderr:
         console.print(f"next: mmcs trace {short(folder)} (waveforms), mmcs compare A B (two runs)")
     return all(item["ok"] for item in report["expect"])
 
 
-def _spared(path: Path, write) -> list[str]:
-    """Writes what results can do without; its name if there is no memory left for it."""
-    try:
-        write(path)
-    except (MemoryError, ImportError, OSError) as error:
-        if not out_of_memory(error):
-            raise
-        path.unlink(missing_ok=True)
-        return [path.name]
-    return []
-
-
-def _draw(result, path: Path) -> None:
-    from mmcs.view.plot import write_plot
-
-    write_plot(result, path)
-
-
 def simulate(
     setup: Setup,
     trace: Path | None = None,
     realtime: bool = False,
-    snapshots_at: tuple[float, ...] = (),
     host: str = "native",
     bus: bool = False,
 ):
@@ -106,17 +79,14 @@ def simulate(
     from mmcs.engine.hosts import image_digest
     from mmcs.runs.machine import machine, progress
     from mmcs.runs.programs import session_of
-    from mmcs.runs.snapshots import Taking
 
-    duration = setup.scenario.duration
     kind = "trace" if trace else "speed"
-    with machine(setup, kind, host=host) as sim, progress(duration) as advance:
+    with machine(setup, kind, host=host) as sim, progress(setup.scenario.duration) as advance:
         image = image_digest(host)
         if trace:
             sim.trace(trace)
-        taking = Taking(sim, snapshots_at, duration)
-        result = session_of(taking, setup, realtime, bus).run(advance)
-        result.image, result.snapshots = image, (taking.taken(), sim.history_bytes())
+        result = session_of(sim, setup, realtime, bus).run(advance)
+        result.image = image
         return result
 
 

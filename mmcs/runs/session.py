@@ -50,7 +50,6 @@ class Result:
     checkpoints: list[tuple[int, int, int, int]] = field(default_factory=list)  # see Sim
     build: str = ""  # which build of the simulator it was
     image: str = ""  # and which firmware a processor ran
-    snapshots: tuple[list[dict], bytes] = ((), b"")  # those kept, and their past
     bus: bytes | None = None  # mmcs_bus_cycles of the VME bus, if they were asked for
 
 
@@ -155,8 +154,6 @@ class Session:
         if said and said[0]["text"].startswith("event refused"):
             raise RunError(f"{what}: {said[0]['text']}")
         self._answered(what, result)
-        if started := getattr(self.sim, "started", None):
-            started(self.start)
         return self.script.client
 
     def play(self, until: float) -> bool:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs show` and the cautions of `mmcs check`: what a scenario amounts to."""
 
+from mmcs.errors import toml
 from mmcs.scenario.arm import has_mass_distribution
 from mmcs.scenario.files import read_scenario
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
@@ -32,8 +33,6 @@ def show_setup(setup: Setup) -> None:
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
-    for program in scenario.program:
-        console.print(f"  program {cell(program.run)}")
     table = Table("", box=None)
     for axis in range(setup.axes):
         table.add_column(cell(f"{axis} {robot.axis_name(axis)}".strip()))
@@ -50,22 +49,11 @@ def show_setup(setup: Setup) -> None:
         console.print(
             f"  {segment['t0']:7.3f} s  axis {segment['axis']}: {segment['kind']}{target}{lasting}"
         )
-    for process in scenario.process:
-        console.print(
-            f"  {process.at:7.3f} s  axis {process.axis}: process {process.kind} to {process.to}"
-        )
-    for call in scenario.call:
-        where = f" axis {call.axis}" if call.request in ("MCALIB", "MSETENC", "MSETPARAM") else ""
-        if call.set:
-            where += f" {call.set.model_dump(exclude_none=True, exclude={'axis'})}"
-        console.print(f"  {call.at:7.3f} s  {call.request}{where}")
-    for event in scenario.event:
-        since = " after power-on" if event.at_power_on else ""
-        console.print(f"  {event.at:7.3f} s{since}  {event.input}[{event.index}] = {event.value:g}")
-    for entry in scenario.expect:
-        fields = entry.model_dump(exclude_none=True, exclude={"kind"})
-        text = ", ".join(f"{key} {value}" for key, value in fields.items())
-        console.print(f"  expects {entry.kind}: {text}")
+    for name in ("process", "program", "call", "event", "expect"):
+        for entry in getattr(scenario, name):
+            fields = entry.model_dump(exclude_none=True, exclude_defaults=True)
+            text = ", ".join(f"{key} = {toml(value)}" for key, value in fields.items())
+            console.print(f"  {name}: {text}")
 
 
 def cautions(setup: Setup) -> list[str]:

@@ -151,6 +151,21 @@ def margins(d: Discrete, plant: Plant, t: float, delay: int = 1) -> Margins:
     )
 
 
+def step_response(d: Discrete, plant: Plant, t: float, samples: int) -> np.ndarray:
+    """Closed loop, linear, double-buffered, unit setpoint; counts at each sample."""
+    g = plant.discrete(t)
+    num = np.convolve(np.convolve(d.num, g.num), (0.0, 1.0))
+    den = np.convolve(d.den, g.den)
+    size = max(len(num), len(den))
+    num = _pad(num, size)
+    den = _pad(den, size) + num
+    y = np.zeros(samples)
+    for k in range(samples):
+        past = sum(den[n] * y[k - n] for n in range(1, min(k + 1, size)))
+        y[k] = (num[: k + 1].sum() - past) / den[0]
+    return y
+
+
 def place(
     plant: Plant, wn: float, zeta: float = 1.0, tau: float = 0.0, slow: float = 0.0
 ) -> Controller:

@@ -14,6 +14,7 @@ from mmcs.scenario.load import load
 from mmcs.scenario.setup import Setup
 from mmcs.sweeps.classes import judge
 from mmcs.sweeps.faults import SORTS, Fault, Motion, draw
+from mmcs.sweeps.twin import Twin
 from mmcs.sweeps.workers import or_failed
 
 WATCH_S = 0.25  # after the scenario's end, so that the last fault, too, shows what it does
@@ -88,9 +89,9 @@ def make_plan(
     for name in names:
         until = load(name, sets).scenario.duration
         setup = load(name, (*sets, f"duration={until + WATCH_S!r}"))
-        for key in ("event", "process"):
+        for key in ("event", "process", "program"):
             if getattr(setup.scenario, key):
-                allowed = "a campaign wants a motion without events and processes"
+                allowed = "a campaign wants a motion without events, processes and programs"
                 raise InputError.one(setup.path, key, None, allowed)
         setups[name] = setup
         motions.append(_motion(name, setup, until))
@@ -104,24 +105,16 @@ def _motion(name: str, setup: Setup, until: float) -> Motion:
     registers = tuple(library_registers(library_of(setup)).items())
     return Motion(
         name, until, registers, setup.axes, scenario.cards, scenario.interval_us,
-        () if scenario.program else tuple(setup.params),
+        tuple(setup.params),
     )  # fmt: skip
 
 
 # --- what a worker does ------------------------------------------------------------------------
 
 
-def make_twin(setup: Setup):
-    """Raises InputError for a motion that stops, or programs that fail, by themselves."""
-    from mmcs.sweeps.program_twin import ProgramTwin
-    from mmcs.sweeps.twin import Twin
-
-    return ProgramTwin(setup) if setup.scenario.program else Twin(setup)
-
-
 @functools.lru_cache(maxsize=TWINS)
 def _twin(key: str):
-    return make_twin(_given[key])
+    return Twin(_given[key])
 
 
 _given: dict[str, Setup] = {}

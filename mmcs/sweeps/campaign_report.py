@@ -12,7 +12,6 @@ from mmcs.sweeps.classes import CLASSES, DANGEROUS, LATE, STEPS
 from mmcs.sweeps.faults import line_name
 
 Z = 1.959964  # 95 %
-PARTS = 10  # of a motion, in the table by time
 HOLES = 25
 REPORT = "report.md"
 
@@ -87,40 +86,7 @@ def tables(plan, rows: list[dict]) -> list[str]:
     where = Counts(rows, lambda r: (r["sort"], r["what"]))
     names = [name for name, _ in holes(rows)[:HOLES]]
     lines += where.table("what", names, lambda name: f"`{line_name(name[1])}`")
-    lines += ["", "## Told too late", ""]
-    late = Counter((r["sort"], r["what"]) for r in rows if r["class"] == LATE)
-    worst = sorted(late, key=lambda name: (-late[name], name))[:PARTS]
-    lines += where.table("what", worst, lambda name: f"`{line_name(name[1])}`")
-    lines += ["", "## When", ""]
-    part = {m.name: m.until / PARTS for m in plan.motions}
-    when = Counts(rows, lambda r: (r["motion"], int(r["at"] / part[r["motion"]])))
-    shown = lambda name: (  # noqa: E731
-        f"{name[0]}, {1e3 * name[1] * part[name[0]]:.0f} to "
-        f"{1e3 * (name[1] + 1) * part[name[0]]:.0f} ms"
-    )
-    lines += when.table("motion", sorted(when.by, key=lambda k: (plan.names.index(k[0]), k[1])),
-                        shown)  # fmt: skip
     return lines
-
-
-def write_tables(folder: Path, plan, rows: list[dict]) -> None:
-    """The classes by sort for a spreadsheet and for a paper: classes.csv, classes.tex."""
-    sorts, everything = Counts(rows, lambda r: r["sort"]), Counts(rows, lambda _: "all")
-    heading = ["sort", "faults", *CLASSES, "dangerous per million", "from", "to"]
-    lines = []
-    for counts, names in ((sorts, [s for s in plan.sorts if s in sorts.by]), (everything, ["all"])):
-        for name in names if rows else ():
-            own, total = counts.by[name], counts.total(name)
-            shares = (own[DANGEROUS] / total, *wilson(own[DANGEROUS], total))
-            cells = [total, *(own[c] for c in CLASSES), *(round(1e6 * s, -2) for s in shares)]
-            lines.append([name, *(f"{cell:.0f}" for cell in cells)])
-    with whole_file(folder / "classes.csv") as part:
-        part.write_text("".join(",".join(line) + "\n" for line in (heading, *lines)))
-    body = "".join(" & ".join(line) + r" \\" + "\n" for line in (heading, *lines))
-    with whole_file(folder / "classes.tex") as part:
-        part.write_text(
-            f"\\begin{{tabular}}{{l{'r' * (len(heading) - 1)}}}\n{body}\\end{{tabular}}\n"
-        )
 
 
 def how_far(rows: list[dict]) -> list[str]:
@@ -180,7 +146,6 @@ def examples(plan, rows: dict[int, dict]) -> list[str]:
 
 def write_report(folder: Path, plan, rows: dict[int, dict], command: str) -> Path:
     some = good(rows)
-    write_tables(folder, plan, some)
     lost = len(rows) - len(some)
     lines = [f"# {len(some):,} faults", "", f"`{command}`", ""]
     if lost:

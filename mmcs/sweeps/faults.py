@@ -68,7 +68,7 @@ class Motion:
     axes: int
     cards: int
     interval_us: int = 1000
-    parameters: tuple[dict, ...] = field(default=())  # of the servo, per axis; none of a program
+    parameters: tuple[dict, ...] = field(default=())  # of the servo, per axis
 
 
 def draw(seed: int, n: int, sorts: tuple[str, ...], motions: tuple[Motion, ...]) -> Fault:
@@ -77,7 +77,7 @@ def draw(seed: int, n: int, sorts: tuple[str, ...], motions: tuple[Motion, ...])
     motion = motions[n % len(motions)]
     sort = dice.choice(sorts)
     at = round(dice.random() * motion.until, DIGITS)
-    if sort == "message" and motion.parameters and dice.random() < 0.75:
+    if sort == "message" and dice.random() < 0.75:
         return _request(dice, n, motion, at)
     if sort == "register":
         name, bit = _bit(dice, motion.registers)

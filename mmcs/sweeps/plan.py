@@ -7,7 +7,6 @@ number of workers nor the order in which they finish shows in the results.
 
 import copy
 import hashlib
-import itertools
 import json
 import math
 import random
@@ -22,7 +21,6 @@ from mmcs.scenario.files import Files, find, parse_toml, read_scenario
 from mmcs.scenario.sets import parse_value, set_key, split_set
 
 MAX_RUNS = 1_000_000
-MOST_ENDS = 6  # keys whose ends are combined to look for unstable loops
 MAX_TRIED = 100  # values of a key before the first run
 NUMBER = r"([^\s.,:/\"\[][^\s,:/\"\[]*?|\.\d[^\s,:/\"\[]*?)"
 RANGE = re.compile(rf"\s*{NUMBER}\.\.{NUMBER}(:(log)?(\d*))?\s*")
@@ -211,23 +209,6 @@ class Plan:
                         mistake = mistake or error
                 else:
                     raise mistake
-
-    def cautions(self) -> list[str]:
-        """A sentence for each axis whose loop is unstable, or nearly so, at some ends."""
-        from mmcs.scenario.describe import poor_gains
-
-        ends = [(v.extremes()[0], v.extremes()[-1]) for v in self.vary[:MOST_ENDS]]
-        found: dict[int, str] = {}
-        for corner in itertools.product(*(dict.fromkeys(pair) for pair in ends)):
-            values = self.values(0) | dict(zip(self.keys, corner, strict=False))
-            try:
-                setup = self.setup(values)
-            except InputError:
-                continue  # check() has told it, or the row will
-            where = ", ".join(f"{key} = {show(value)}" for key, value in values.items())
-            for axis, text in poor_gains(setup).items():
-                found.setdefault(axis, f"{text}, at {where}")
-        return list(found.values())
 
     def first(self):
         """The setup of the first row that is good. Raises InputError."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sweep leaves: rows as they finish, then one table, a summary and a picture."""
+"""What a sweep leaves: rows as they finish, then one table and a summary."""
 
 import csv
 import hashlib
@@ -10,13 +10,10 @@ from pathlib import Path
 
 from mmcs.errors import InputError, one_line, show
 from mmcs.folder import lock, whole_file
-from mmcs.place import installs
 from mmcs.sweeps.plan import MAX_RUNS, Plan
 
 ROWS = "rows.jsonl"
-TABLE = "table"
-PLOT = "plot.svg"
-FORMATS = ("csv", "parquet")
+TABLE = "table.csv"
 MAX_LINE = 1 << 20  # bytes of a row
 LEADING = ("status", "unmet", "why")
 
@@ -121,43 +118,12 @@ def _plain(value: object) -> object:
     return show(value) if isinstance(value, list | dict | bool) else value
 
 
-def write_table(folder: Path, plan: Plan, rows: dict[int, dict], form: str) -> Path:
+def write_table(folder: Path, plan: Plan, rows: dict[int, dict]) -> None:
     heading, lines = table(plan, rows)
-    path = folder / f"{TABLE}.{form}"
-    with whole_file(path) as part:
-        if form == "parquet":
-            _write_parquet(part, heading, lines)
-            return path
-        with part.open("w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(heading)
-            writer.writerows(lines)
-    return path
-
-
-def check_format(form: str) -> None:
-    if form == "parquet":
-        try:
-            import pyarrow.parquet  # noqa: F401
-        except ImportError:
-            allowed = f"needs the package pyarrow: {installs('parquet')}"
-            raise InputError.one("--format", "", form, allowed) from None
-
-
-def _write_parquet(path: Path, heading: list[str], lines: list[list]) -> None:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    columns = {}
-    for place, name in enumerate(heading):
-        values = [line[place] for line in lines]
-        kinds = {type(v) for v in values if v is not None}
-        if kinds == {int, float}:
-            values = [None if v is None else float(v) for v in values]
-        elif len(kinds) > 1:
-            values = [None if v is None else str(v) for v in values]
-        columns[name] = pa.array(values)
-    pq.write_table(pa.table(columns), path)
+    with whole_file(folder / TABLE) as part, part.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(heading)
+        writer.writerows(lines)
 
 
 # --- summary -----------------------------------------------------------------------------------
@@ -227,50 +193,3 @@ def _number(value: object) -> str:
     if value == math.inf:
         return "never"
     return f"{value:.6g}" if isinstance(value, float) else show(value).strip('"')
-
-
-# --- picture -----------------------------------------------------------------------------------
-
-
-def write_plot(folder: Path, plan: Plan, rows: dict[int, dict], by: str) -> Path:
-    """One panel per key (the first six), the figure over its values."""
-    from mmcs.view.plot import BLUE, GREY, RED, save, style
-
-    plt = style()
-    keys = plan.keys[:6]
-    good = [n for n in sorted(rows) if _finite(rows[n].get(by))]
-    values = {n: plan.values(n) for n in good}
-    figure, (axes,) = plt.subplots(
-        1, len(keys), squeeze=False, sharey=True, layout="constrained",
-        figsize=(max(6.0, 3.2 * len(keys)), 4.2),
-    )  # fmt: skip
-    for cell, key in zip(axes, keys, strict=True):
-        for status, colour, marker in (("ok", BLUE, "o"), ("missed", RED, "x")):
-            some = [n for n in good if rows[n]["status"] == status]
-            x = [_plain(values[n][key]) for n in some]
-            x = x if _is_numeric(values, key) else [str(v) for v in x]
-            y = [abs(rows[n][by]) for n in some]
-            label = {"ok": "meets all expectations", "missed": "misses some"}[status]
-            if x:
-                cell.plot(x, y, marker, color=colour, ms=4, alpha=0.7, label=label)
-        cell.set_xlabel(key)
-    axes[0].set_ylabel(f"{by}, worst axis" if not by[-1].isdigit() else by)
-    if good:
-        axes[0].legend(loc="best", frameon=False)
-    else:
-        axes[0].text(0.5, 0.5, f"no run has {by}", ha="center", color=GREY)
-    figure.suptitle(one_line(f"{plan.name}: {len(rows)} runs"), x=0.01, ha="left", size=11)
-    path = folder / PLOT
-    with whole_file(path) as part:
-        save(figure, part)
-    return path
-
-
-def _finite(value: float | None) -> bool:
-    return value is not None and math.isfinite(value)
-
-
-def _is_numeric(values: dict[int, dict], key: str) -> bool:
-    return all(
-        isinstance(v[key], int | float) and not isinstance(v[key], bool) for v in values.values()
-    )

@@ -314,41 +314,11 @@ def test_wilson(k, n, low, high):
     assert wilson(k, n) == pytest.approx((low, high), abs=1e-4)
 
 
-# --- bad input ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("--faults", 0), "--faults = 0: must be 1 to 1000000"),
-        (("--sort", "pins"), 'must be one of register, line, pin, message, kill'),
-        (("arm_move", "arm_move"), "is named twice"),
-        (("fault_estop",), "a campaign wants a motion without events and processes"),
-        (("user_loop",), "a campaign wants a motion without events and processes"),
-        (("--workers", 0), "must be 1 to 256"),
-        (("--workers", 1, "--dask", "tcp://x"), "not with --dask"),
-        (("--show", -1), "must be 0 to 999999"),
-        (("arm_calibrate", "--set", "axis.all.ilimax=20"), "stops by itself 0.044 s after it"),
-        (("--resume", "--out", "/nowhere"), "holds no campaign to go on with"),
-    ],
-)  # fmt: skip
-def test_mistakes_are_told_in_one_line(mmcs, arguments, told):
-    one_clear_line(mmcs("campaign", *arguments), told)
-
-
 def test_of_an_own_scenario_lies_beside_it(mmcs, tmp_path):
     (tmp_path / "my.toml").write_text('extends = "lab500"\nduration = 0.1\nexpect = []\n')
     good(mmcs("campaign", str(tmp_path / "my.toml"), "--faults", "2", "--workers", "1"))
     folder = tmp_path / "campaigns" / "my"
     assert (folder / "report.md").is_file()
-    heading, *rows = (
-        (line.split(",")) for line in (folder / "classes.csv").read_text().splitlines()
-    )
-    assert heading[:2] == ["sort", "faults"] and rows[-1][:2] == ["all", "2"]
-    assert sum(map(int, rows[-1][2 : 2 + len(CLASSES)])) == 2
-    table = (folder / "classes.tex").read_text().splitlines()
-    assert table[0].startswith(r"\begin{tabular}{lr") and table[-1] == r"\end{tabular}"
-    assert table[-2].startswith("all & 2 & ") and table[-2].endswith(r" \\")
 
 
 # --- ways to stop ------------------------------------------------------------------------------
@@ -381,15 +351,3 @@ def test_stops_are_those_of_whole_runs(mmcs, tmp_path, monkeypatch):
 def stops_of(text):
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in text.splitlines()]
     return {row[0]: row for row in rows}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        ((), "wants a robot, or scenarios"),
-        (("fault_estop",), "nothing to stop: fault_estop: it has a [[event]]"),
-        (("lab500", "--sort", "pin"), "goes with scenarios, a robot, --set, --workers and --out"),
-    ],
-)
-def test_mistakes_of_stops_are_told_in_one_line(mmcs, arguments, told):
-    one_clear_line(mmcs("campaign", "--stops", *arguments), told)

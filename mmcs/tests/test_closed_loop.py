@@ -98,14 +98,6 @@ def test_without_compensation_it_stops_outside():
     assert abs(compensated) < error / 3
 
 
-@pytest.mark.req("SRV-1", "DRV-10", "FW-2")
-def test_six_joints_and_three_witnesses():
-    result, report = carry_out("puma560")
-    assert [item["what"] for item in report["expect"] if not item["ok"]] == []
-    check_witnesses(result)
-    assert all(abs(truth["count"]) > 4000 for truth in result.witnesses)
-
-
 def test_python_reads_the_inputs_as_the_engine_has_them():
     from mmcs.inputs import INPUTS, UPSET
     from mmcs.runs.machine import machine
@@ -125,11 +117,3 @@ def test_python_reads_the_inputs_as_the_engine_has_them():
             for value in (known.low - 1, known.high + 1):
                 with pytest.raises(RunError, match="value out of range"):
                     sim.add_event(0.0, rows.index(row), 0, value)
-
-
-@pytest.mark.req("SRV-1")
-@pytest.mark.parametrize("name", ["puma560_velocity", "lab500_torque", "lab500_nocomp"])
-def test_scenario_meets_its_expectations(name):
-    result, report = carry_out(name)
-    assert [item["what"] for item in report["expect"] if not item["ok"]] == []
-    check_witnesses(result)

@@ -164,14 +164,17 @@ def test_refusals_name_what_is_wrong(link):
         assert was == int(number) and name in text, (row, was, text)
 
 
-@pytest.mark.parametrize(
-    "bytes_",
-    [b"\0\0\0\0", b"\xff\xff\xff\xff", b"\4\0\0\0[1]]", b"\3\0\0\0[1]", b"\2\0\0\0\xff\xff",
-     struct.pack("<I", 60000) + b"[" * 60000],
-)  # fmt: skip
-def test_rubbish_is_hung_up(serving, bytes_):
+WEB = b"GET / HTTP/1.0\r\n" + b"x" * 100
+
+
+@pytest.mark.parametrize(("suffix", "bytes_"), [
+    (".msg", b"\0\0\0\0"), (".msg", b"\xff\xff\xff\xff"), (".msg", b"\4\0\0\0[1]]"),
+    (".msg", b"\3\0\0\0[1]"), (".msg", b"\2\0\0\0\xff\xff"),
+    (".msg", struct.pack("<I", 60000) + b"[" * 60000), (".msg", WEB), (".sock", WEB),
+])  # fmt: skip
+def test_rubbish_is_hung_up(serving, suffix, bytes_):
     with socket.socket(socket.AF_UNIX) as rude:
-        rude.connect(str(serving.server.path.with_suffix(".msg")))
+        rude.connect(str(serving.server.path.with_suffix(suffix)))
         rude.sendall(bytes_)
         rude.settimeout(10)
         while rude.recv(4096):  # its hello, then the end

@@ -19,30 +19,11 @@ from mmcs.tests.device_bench import (
     compile_program,
     output_in_lockstep,
 )
-from tools.compiled import compiled, ran, written
+from tools.compiled import compiled, written
 
 PUMA = load_robot("puma560")[1]
 JOINTS = [joint_of(PUMA, axis, 1000) for axis in range(6)]
 TO = [0.5, -0.3, 0.8, 0.0, 0.2, -1.0]
-
-MISTAKES = """
-#include <assert.h>
-#include <motion.h>
-int main(void) {
-  struct motion_axis axis[2] = {{.speed = 1, .acceleration = 1}, {.speed = 1, .acceleration = 1}};
-  struct motion m = {.axis = axis, .axes = 2, .interval = 0.001};
-  struct motion_point point = {.position = {0, NAN}};
-  double to[] = {NAN, 1.0}, there[] = {1.0, 1.0};
-  assert(motion_put(&m, 1.0, &point) < 0 && errno == EINVAL);
-  assert(motion_put(&m, INFINITY, &m.rest) < 0 && errno == EINVAL);
-  errno = 0;
-  assert(motion_set(&m, 2, 0.0) < 0 && errno == EINVAL);
-  assert(motion_set(&m, 0, NAN) < 0 && m.rest.position[0] == 0.0);
-  assert(motion_quintic(&m, to, 0.2) < 0 && motion_trapezoid(&m, to, 0.2) < 0 && m.used == 0);
-  assert(motion_quintic(&m, there, 0.0) < 0 && errno == EINVAL);
-  return 0;
-}
-"""
 
 PROBE = """
 #include <motion.h>
@@ -70,6 +51,7 @@ int at(double time, double (*seen)[ROBOT_AXES]) {
   }
   return goes_on;
 }
+int set(int axis, double to) { return motion_set(&m, axis, to); }
 int push(double amperes) {
   struct motion_point p = {.current = {amperes}};
   return motion_setpoint(&m, 0, &p);
@@ -106,10 +88,6 @@ int main(void) {
 """
 
 
-def test_mistakes():
-    assert ran(compile_program(written("mistakes.c", MISTAKES))).returncode == 0
-
-
 @pytest.fixture(scope="module")
 def built():
     table = written("robot.h", header("puma560", 1000))
@@ -118,6 +96,7 @@ def built():
                                        [written("probe.c", PROBE)], ["-lm"])))  # fmt: skip
     library.at.argtypes = [ctypes.c_double, ctypes.c_void_p]
     library.put.argtypes = [ctypes.c_double] * 3
+    library.set.argtypes = [ctypes.c_int, ctypes.c_double]
     library.push.argtypes = [ctypes.c_double]
     for name in ("trapezoid", "quintic"):
         getattr(library, name).argtypes = [ctypes.c_void_p, ctypes.c_double]
@@ -152,6 +131,15 @@ def test_a_profile_keeps_its_limits_and_all_joints_end_together(library, profile
     moving = [np.flatnonzero(rows[:, 1, n]) for n, to in enumerate(TO) if to]
     assert len({m[0] for m in moving}) == 1 and len({m[-1] for m in moving}) == 1
     assert rows[-1, 0] == pytest.approx(TO) and not rows[-1, 1].any()
+
+
+def test_mistakes(library):
+    nowhere, there = (ctypes.c_double * 6)(math.nan), (ctypes.c_double * 6)(*TO)
+    assert library.put(1.0, math.nan, 0.0) == library.put(math.inf, 0.0, 0.0) == errno.EINVAL
+    assert library.set(6, 0.0) < 0 and library.set(0, math.nan) < 0
+    assert library.quintic(nowhere, 0.2) < 0 and library.trapezoid(nowhere, 0.2) < 0
+    assert library.quintic(there, 0.0) < 0
+    assert not samples(library)[:, 0].any()  # nothing was taken
 
 
 def test_motions_queue_and_go_through_their_knots(library):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Comparison and film of finished runs, made from folders written here."""
+"""Comparison, film and MCAP of finished runs, made from folders written here."""
 
+import io
 import json
 import math
 import os
@@ -10,11 +11,12 @@ import sys
 import numpy as np
 import pytest
 
-from mmcs import logcols
+from mmcs import ROOT, logcols
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import good, one_clear_line
 from mmcs.view import chart
 from mmcs.view.film import arm_points
+from mmcs.view.runs import Run
 from tools.compiled import ran
 
 
@@ -38,14 +40,9 @@ def folder(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("draw", ["design", "style"])
-def test_a_notebooks_backend_does_not_matter(tmp_path, draw):
-    draws = {
-        "style": "from mmcs.view.plot import style; style()",
-        "design": "from mmcs.cli.app import main;main(['design', '--wn', '50', '--plot', 'x.svg'])",
-    }
+def test_a_notebooks_backend_does_not_matter():
     env = {**os.environ, "MPLBACKEND": "nonsense"}
-    done = ran(sys.executable, "-c", draws[draw], cwd=tmp_path, env=env)
+    done = ran(sys.executable, "-c", "from mmcs.view.film import style; style()", env=env)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -99,8 +96,7 @@ def test_film(mmcs, folder):
 
     links = [{"alpha": 0.0, "a": 1.0, "d": 0.2, "theta0": 0.0}] * 2
     path = folder("arm", axes=2, links=links)
-    good(mmcs("export", "film", path, "--slower", 5, "--pictures", 3), silent=True)
-    assert (path / "film.svg").read_text().startswith("<?xml")
+    good(mmcs("export", "film", path, "--slower", 5), silent=True)
     with Image.open(path / "film.gif") as gif:
         assert gif.n_frames == 5
 
@@ -165,3 +161,17 @@ def test_a_chart_has_words_rules_and_dashes_and_no_markup_of_others():
     assert chart.picture([chart.Cell(0, 0, 90, 90)], 90, 90, "") == chart.picture(
         [chart.Cell(0, 0, 90, 90)], 90, 90, ""
     )
+
+
+@pytest.mark.req("TOOL-1")
+def test_a_run_as_mcap():
+    from mcap.reader import make_reader
+
+    from mmcs.view.mcap_file import from_run
+
+    log = np.arange(30, dtype=float).reshape(2, 15) / 4
+    made = from_run(Run(ROOT, {}, log))
+    found = list(make_reader(io.BytesIO(made)).iter_messages())
+    assert sorted({channel.topic for _, channel, _ in found}) == ["/axis/0", "/axis/1"]
+    assert len(found) == 4 and found[0][2].log_time == 0
+    assert json.loads(found[-1][2].data)["angle_rad"] == log[1, 14]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A program as a scenario: [[program]], `mmcs exec --out`, replay, sweep, campaign."""
+"""A program as a scenario: [[program]], `mmcs exec --out`, replay, sweep."""
 
 import json
 import sys
@@ -8,9 +8,6 @@ import pytest
 
 from mmcs.errors import InputError
 from mmcs.scenario.load import load
-from mmcs.sweeps.campaign import WATCH_S, make_plan, run_fault, twin_of
-from mmcs.sweeps.classes import DANGEROUS, HARMLESS, MASKED, SAFE
-from mmcs.sweeps.faults import Fault
 from mmcs.sweeps.workers import run_row
 from mmcs.tests.conftest import call, good, one_clear_line
 from mmcs.tests.device_bench import write_scenario
@@ -139,6 +136,8 @@ run = "sleep 100"
 """)
     from mmcs.runs.runner import simulate
 
+    answer = call("campaign", folder / "long.toml")
+    one_clear_line(answer, "without events, processes and programs")
     result = simulate(load(str(folder / "long.toml")))
     assert result.processes == [{"kind": "program", "run": "sleep 100", "status": 137}]
     assert result.simulated_s == pytest.approx(0.05, abs=1e-6)
@@ -156,35 +155,3 @@ def test_mistakes(text, why, folder):
     with pytest.raises(InputError) as caught:
         load(str(folder / "wrong.toml"))
     assert why in str(caught.value)
-
-
-def test_a_campaign_takes_one(folder):
-    """Each fault is a whole run of the program: told, silent, masked, and its hash is that of
-    `mmcs run`. Requests are the program's own: none is drawn."""
-    (folder / "own.toml").write_text(f"""
-extends = "device.toml"
-duration = 0.8
-[[program]]
-run = "{sys.executable} step.py 200"
-""")
-    name = str(folder / "own.toml")
-    plan = make_plan((name,), (), 1)
-    assert all(plan.fault(n).call is None for n in range(200))
-    twin = twin_of(plan.setups[name])
-    for event, wanted in (
-        ({"at": 0.4, "input": "estop", "value": 1}, SAFE),
-        ({"at": 0.4, "input": "encoder_b_cut", "index": 0, "value": 1}, DANGEROUS),
-        ({"at": 0.1, "input": "writes_lost", "value": 1000}, DANGEROUS),
-        ({"at": 0.3, "input": "write_flip", "index": 0, "value": 64}, HARMLESS),
-        ({"at": 0.1, "input": "pot_cut", "index": 1, "value": 1}, MASKED),
-    ):
-        fault = Fault(0, name, "pin", "test", event["at"], event=event)
-        row = run_fault(twin, fault, whole=True)
-        assert row["class"] == wanted, row
-        again = run_row(load(name, (f"duration={0.8 + WATCH_S!r}", *fault.sets([]))))
-        assert again["hash"] == row["hash"]
-    words = ("--faults", 2, "--workers", 1, "--out", folder / "campaign")
-    assert "2 faults" in good(call("campaign", name, *words))
-    (folder / "step.py").write_text("raise SystemExit(3)")
-    with pytest.raises(InputError, match="ends with status 3, with no fault"):
-        twin_of(make_plan((name,), (), 1, ("seed=2",)).setups[name])

@@ -59,16 +59,6 @@ def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, mc0, make):
         Name(mc0)
 
 
-def test_rubbish_is_hung_up(bench):
-    with socket.socket(socket.AF_UNIX) as rude:
-        rude.connect(str(bench.server.path))
-        rude.sendall(b"GET / HTTP/1.0\r\n" + b"x" * 100)
-        for _ in range(5):
-            bench.server.step()
-        assert rude.recv(10) == b""
-        assert not bench.server.connections
-
-
 @pytest.mark.req("DRV-9")
 def test_real_time_and_standstill(tmp_path, monkeypatch):
     clock = Clock()

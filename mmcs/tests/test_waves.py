@@ -26,7 +26,7 @@ def trace(tmp_path_factory):
     folder = tmp_path_factory.mktemp("trace")
     write_record(make_record(simulate(load("lab500", SETS)), "native"), folder)
     path = folder / "lab500.fst"
-    assert trace(read_record(str(folder)), path, 0.004, 0.009) == (None, None, "")
+    assert trace(read_record(str(folder)), path, 0.004, 0.009) == (None, "")
     return path
 
 
@@ -191,7 +191,7 @@ def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
     begin, end = stretch(record, "missed", 5)
     assert begin < missed[0]["t"] < end
     wave = tmp_path / "missed.fst"
-    assert trace(record, wave, begin, end)[1] is None
+    assert trace(record, wave, begin, end)[0] is None
     at = first_missed(wave, waves.MACHINE)
     assert at is not None
     gtkw, _ = waves.write_views(wave)

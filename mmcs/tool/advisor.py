@@ -26,9 +26,8 @@ from pathlib import Path
 
 import numpy as np
 
-from mmcs.scenario.design_plot import step_response
 from mmcs.scenario.identify import IdentifyError, Motor
-from mmcs.scenario.synthesis import Discrete, Plant, margins
+from mmcs.scenario.synthesis import Discrete, Plant, margins, step_response
 from mmcs.service import DesignError, design_answer
 from mmcs.tool.worker import Worker, work
 

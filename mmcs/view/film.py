@@ -1,19 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`mmcs export film RUN`: the arm in three dimensions, as a strip of pictures and an animation."""
+"""`mmcs export film RUN`: the arm in three dimensions, as an animation."""
 
+import os
 from pathlib import Path
 
 import numpy as np
 
 from mmcs.errors import InputError
 from mmcs.scenario.arm import link_frame
-from mmcs.view.plot import BLUE, GREY, ORANGE, save, style
+from mmcs.view.plot import BLUE, GREY, ORANGE
 from mmcs.view.runs import Run
 
 GIF_FPS = 20
 MAX_FRAMES = 200
 COLOURS = 32
 VIEW = {"elev": 22, "azim": -60}
+
+
+def style() -> None:
+    """Of matplotlib, whose import a backend of a notebook's would end."""
+    os.environ.pop("MPLBACKEND", None)
+    import matplotlib
+
+    matplotlib.rcParams.update({
+        "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
+        "axes.edgecolor": GREY, "axes.grid": True, "grid.color": "#e4e6ea", "grid.linewidth": 0.6,
+    })  # fmt: skip
 
 
 def arm_points(links: list[dict], angles: np.ndarray) -> np.ndarray:
@@ -37,27 +49,14 @@ def poses(run: Run) -> tuple[np.ndarray, np.ndarray]:
     return run.log[:, 0], np.array([arm_points(links, row) for row in angles])
 
 
-def write_strip(run: Run, path: Path, pictures: int = 6) -> None:
-    plt = style()
-    t, arm = poses(run)
-    figure = plt.figure(figsize=(2.6 * pictures, 3.4))
-    for n in range(pictures):
-        k = round(n * (len(t) - 1) / max(1, pictures - 1))
-        cell = figure.add_subplot(1, pictures, n + 1, projection="3d")
-        _draw(cell, arm, k)
-        cell.set_title(f"{t[k]:.2f} s", size=10)
-    figure.subplots_adjust(0, 0, 1, 0.92, 0, 0)
-    save(figure, path)
-
-
 def write_gif(run: Run, path: Path, slower: float = 1.0) -> int:
     """The arm, beside it the joints' motion and, of a run with bus.csv, VME cycles of the sample.
     Returns the number of pictures; `slower` = 4 shows a second in four."""
+    style()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from PIL import Image
 
-    style()
     t, arm = poses(run)
     frames = max(2, min(MAX_FRAMES, round((t[-1] - t[0]) * slower * GIF_FPS)))
     figure = Figure(figsize=(8.4, 4.2), dpi=80)

@@ -7,7 +7,6 @@ import numpy as np
 
 from mmcs import logcols
 from mmcs.errors import one_line
-from mmcs.screen import pyplot
 from mmcs.view import chart
 from mmcs.view.chart import GREY, Cell
 
@@ -20,33 +19,6 @@ LABELS = (
     ("error", "counts"),
     ("current", "D/A units"),
 )
-
-
-def style():
-    """pyplot, set up so that the same data draws the same SVG file."""
-    plt = pyplot()
-    plt.rcParams.update(
-        {
-            "font.size": 9,
-            "font.family": "sans-serif",
-            "svg.fonttype": "none",
-            "svg.hashsalt": "mmcs",  # the same run draws the same file
-            "axes.spines.top": False,
-            "axes.spines.right": False,
-            "axes.edgecolor": GREY,
-            "text.parse_math": False,  # a $ in a description is a $
-            "axes.grid": True,
-            "grid.color": "#e4e6ea",
-            "grid.linewidth": 0.6,
-        }
-    )
-    return plt
-
-
-def save(figure, path: Path) -> None:
-    """As SVG, the same for the same data; and closes it."""
-    figure.savefig(path, format="svg", metadata={"Date": None})
-    pyplot().close(figure)
 
 
 def grid(names: list[str], heights: tuple, labels: tuple) -> tuple[list[list[Cell]], tuple]:

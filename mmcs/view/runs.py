@@ -11,7 +11,6 @@ from mmcs import logcols
 from mmcs.engine.rows import BLOCK, Rows
 from mmcs.errors import InputError
 from mmcs.files import log_lines, open_file, read_json
-from mmcs.folder import reading
 from mmcs.place import run_folders
 
 LARGEST = 1e12  # of a log's numbers; NaN is none
@@ -39,8 +38,7 @@ def read_run(name: str) -> Run:
     if not folder.is_dir():
         raise InputError.one(name, "", None, "no such run; make it with `mmcs run`")
     try:
-        with reading(folder):
-            return _read(folder)
+        return _read(folder)
     except OSError as error:
         why = "its results are not there; run the scenario again"
         why = why if isinstance(error, FileNotFoundError) else str(error)

@@ -34,14 +34,14 @@ WHOLE = re.compile(r"^(cc|g\+\+|iverilog) ", re.M)  # fences that are run from f
 START = re.compile(r"make|mmcs|\.ci/run|\. \.venv/bin/activate|\.venv/bin/\S+|python|pytest|cc")
 # What stands for the reader's own, and what makes a long command short; the options stay.
 INSTEAD = {
-    "RUN": "own", "RUN@0.25": "own@0.25", "NAME": "lab500", "...": "seed=1..1000",
+    "RUN": "own", "NAME": "lab500", "...": "seed=1..1000",
     "/tmp/slow": "slow", "puma560_double_buffer": "own", "puma560_single_buffer": "own",
 }  # fmt: skip
 FEWER = {"--samples": "2", "--faults": "4"}
 # Only read by the command's own parser: option, or command, and why it is not run here.
 ONLY_READ = {
     "serve": "ends when it is stopped", "exec": "tests of exec run programs", "tool": "the same",
-    "--apply": "wants a running server", "--dask": "wants a cluster",
+    "--dask": "wants a cluster",
     "--host": "tests of the hosts run it", "film": "wants an arm's run of a second",
     "panic": "wants a run with a panic", "--grid": "tests of sweep run a grid",
 }  # fmt: skip

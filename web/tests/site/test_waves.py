@@ -57,7 +57,7 @@ def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path)
     assert (made["from"], made["to"]) == (round((at - 1e-3) * HZ), round((at + 1e-3) * HZ))
 
     traced = tmp_path / "run.fst"
-    assert trace(record, traced, at - 1.5e-3, at + 1.5e-3)[1] is None
+    assert trace(record, traced, at - 1.5e-3, at + 1.5e-3)[0] is None
     assert replay(record)[1] is None
     found = {var.full_name: var for var in pywellen.Waveform(str(traced)).all_vars()}
     signals = [s for name, group in waves.GROUPS.items() if name != "firmware" for s in group]
