@@ -200,7 +200,7 @@ def test_a_library_of_the_page_is_what_the_lock_names_or_refused(tmp_path, monke
         locked = {"packages": {"": {}, "node_modules/one": package}}
         (tmp_path / "web" / "package-lock.json").write_text(json.dumps(locked))
 
-    lock("A" + digest[1:])
+    lock("A" * len(digest))
     with pytest.raises(SystemExit, match=r"one-1\.0\.0\.tgz: its hash is not the one"):
         libraries.fetch(tmp_path / "to", dev=False)
     assert not (tmp_path / "to").exists()

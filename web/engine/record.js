@@ -70,10 +70,10 @@ export function setupOf(record, setup) {
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
-function isRequest({ request, axis = "all", set = {} }, { params }) {
+function isRequest({ request, axis = "all", set = {} }, { machine }) {
   const axes = axis === "all" ? [] : [axis].flat();
   return typeof request === "string" && isTable(set)
-    && axes.every((n) => Number.isInteger(n) && n >= 0 && n < params.length);  // prettier-ignore
+    && axes.every((n) => Number.isInteger(n) && n >= 0 && n < machine.servo.length);  // prettier-ignore
 }
 
 function sorted(value) {

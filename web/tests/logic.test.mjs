@@ -206,7 +206,7 @@ test("numbers of an address are told when they are none, never taken as nothing"
 });
 
 test("a record that cannot be is one sentence", () => {
-  const setup = { params: [{}, {}], data: { cards: 1 }, duration: 2 };
+  const setup = { machine: { servo: [{}, {}] }, data: { cards: 1 }, duration: 2 };
   const record = (data, more = {}) => ({ mmcs_run: 1, host: "native", scenario: "x", hash: "0x1", data, ...more });
   const good = { cards: 1, seed: 7, duration: 1, call: [{ at: 0.1, request: "MSETPARAM", axis: [1], set: {} }],
     event: [{ at: 0, input: "estop", value: 1 }] };  // prettier-ignore
