@@ -236,7 +236,7 @@ def test_the_lab_sheets_are_there_and_checking_names_the_command(opened):
     page = opened("?scenario=lab500&plays=0")
     page.click("#tab-labs")
     page.wait_for_selector("#lab-unit_cps")
-    assert page.locator("#lab-sheet option").count() == 10
+    assert page.locator("#lab-sheet option").count() == 9
     page.select_option("#lab-sheet", "7")
     page.fill("#lab-stall_ms", "50")
     page.click("#lab-check")
