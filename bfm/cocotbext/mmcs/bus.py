@@ -40,6 +40,12 @@ class Bus:
         facing = hasattr(dut, f"{prefix}_{cls.FACING[cls.STROBE]}")
         return cls(**find(dut, prefix, cls.FACING if facing else cls.PINS, cls.OPTIONAL))
 
+    def put(self, **values: int) -> None:
+        """Drives signals; those that the design lacks are left out."""
+        for name, value in values.items():
+            if (handle := getattr(self, name)) is not None:
+                handle.value = value
+
     def driven(self) -> bool | None:
         """Whether a slave or card drives the data lines; None where no pin tells."""
         return None if self.q_oe is None else bool(pin(self.q_oe))

@@ -29,20 +29,11 @@ class PcBus(Bus):
 
     def idle(self) -> None:
         """What a host that does nothing drives; CLK ticks with every clock of the design."""
-        for name in ("aen", "reset_drv", "drq"):
-            if (handle := getattr(self, name)) is not None:
-                handle.value = 0
-        self.a.value = 0
-        self.ior_n.value = self.iow_n.value = 1
-        if self.clk_en is not None:
-            self.clk_en.value = 1
-        self.d.value = 0xFF
+        self.put(aen=0, reset_drv=0, drq=0, a=0, ior_n=1, iow_n=1, clk_en=1, d=0xFF)
 
     def silent(self) -> None:
         """What cards that do nothing drive."""
-        for name, value in (("q", 0xFF), ("q_oe", 0), ("irq", 0)):
-            if (handle := getattr(self, name)) is not None:
-                handle.value = value
+        self.put(q=0xFF, q_oe=0, irq=0)
         self.stretch(False)
 
     def can_stretch(self) -> bool:
@@ -50,10 +41,7 @@ class PcBus(Bus):
 
     def stretch(self, wait: bool) -> None:
         """A card asks for wait states, or no more."""
-        if self.iochrdy is not None:
-            self.iochrdy.value = int(not wait)
-        if self.wait is not None:
-            self.wait.value = int(wait)
+        self.put(iochrdy=int(not wait), wait=int(wait))
 
     def stretched(self) -> bool:
         if self.wait is not None:

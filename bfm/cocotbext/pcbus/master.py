@@ -45,9 +45,7 @@ class PcBusMaster:
         bus, clk = self.bus, self.clk
         whole("address", address, 0, self.top)
         whole("aen", aen, 0, 1 if bus.aen is not None else 0)
-        bus.a.value = address
-        if bus.aen is not None:
-            bus.aen.value = aen
+        bus.put(a=address, aen=aen)
         if value is not None:
             bus.d.value = value
         await ClockCycles(clk, self.setup)
@@ -59,8 +57,7 @@ class PcBusMaster:
         await ClockCycles(clk, self.hold)
         if value is not None:
             bus.d.value = 0xFF
-        if bus.aen is not None:
-            bus.aen.value = 0
+        bus.put(aen=0)
         self.log.debug("%-4s %04X %02X%s", kind, address, seen, " IOCHRDY!" if late else "")
         if late:
             raise BusTimeout(f"{kind} {address:04X}: IOCHRDY low for more than {self.limit} clocks")

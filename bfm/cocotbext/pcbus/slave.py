@@ -68,9 +68,7 @@ class PcBusSlave:
             access = Timer(max(1, self.random.randint(*self.access_ns)), "ns")
             if await First(access, end) is access:
                 value = self.on_read(offset) if self.on_read else self.registers[offset]
-                bus.q.value = whole("what on_read gives", value, 0, 0xFF)
-                if bus.q_oe is not None:
-                    bus.q_oe.value = 1
+                bus.put(q=whole("what on_read gives", value, 0, 0xFF), q_oe=1)
                 self.log.debug("read  %04X %02X", offset + self.base, value)
                 self.reads += 1
                 await end
@@ -95,9 +93,7 @@ class PcBusSlave:
 
     def _off(self, stretch) -> None:
         stretch.cancel()
-        self.bus.q.value = 0xFF
-        if self.bus.q_oe is not None:
-            self.bus.q_oe.value = 0
+        self.bus.put(q=0xFF, q_oe=0)
         self.bus.stretch(False)
 
     async def _stretch(self) -> None:

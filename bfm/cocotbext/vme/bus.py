@@ -52,20 +52,15 @@ class VmeBus(Bus):
 
     def idle(self) -> None:
         """What a master that does nothing drives."""
-        for name in ("as_n", "write_n", "lword_n", "iack_n", "iackin_n", "sysreset_n"):
-            if (handle := getattr(self, name)) is not None:
-                handle.value = 1
-        self.ds_n.value = DS_NONE
-        self.a.value = self.am.value = self.d.value = 0
+        self.put(as_n=1, write_n=1, lword_n=1, iack_n=1, iackin_n=1, sysreset_n=1)
+        self.put(ds_n=DS_NONE, a=0, am=0, d=0)
 
     def silent(self) -> None:
         """What slaves and interrupters that do nothing drive."""
         for name in ("dtack_n", "berr_n", "irq_n"):
             if (handle := getattr(self, name)) is not None:
                 handle.value = (1 << len(handle)) - 1
-        self.q.value = (1 << len(self.q)) - 1
-        if self.q_oe is not None:
-            self.q_oe.value = 0
+        self.put(q=(1 << len(self.q)) - 1, q_oe=0)
 
     def pull(self, name: str, who: object, low: bool, bit: int = 0) -> None:
         """An open-collector line: low while anybody of those who ever pulled it still does."""

@@ -115,17 +115,14 @@ class VmeInterrupter:
             if await First(bus.ds_n.value_change, end) is end:
                 return
         await Timer(self.delay_ns - 20, "ns")
-        bus.q.value = self.vector | ((1 << len(bus.q)) - 1) & ~0xFF
-        if bus.q_oe is not None:
-            bus.q_oe.value = 1
+        bus.put(q=self.vector | ((1 << len(bus.q)) - 1) & ~0xFF, q_oe=1)
         await Timer(20, "ns")
         bus.pull("dtack_n", self, True)
         if self.release == "acknowledge":
             self.withdraw()
         while pin(bus.ds_n) != 3:
             await bus.ds_n.value_change
-        if bus.q_oe is not None:
-            bus.q_oe.value = 0
+        bus.put(q_oe=0)
         await Timer(10, "ns")
         bus.pull("dtack_n", self, False)
         self.acknowledged += 1

@@ -205,9 +205,7 @@ class VmeMaster:
             raise ProtocolError("BERR* is low before any strobe")
         bus.a.value = (op.address & (1 << bus.address_width) - 1) >> 1
         bus.am.value = self.am if op.am is None else op.am
-        for handle, level in ((bus.lword_n, op.size != 4), (bus.iack_n, op.kind != "iack")):
-            if handle is not None:
-                handle.value = int(level)
+        bus.put(lword_n=int(op.size != 4), iack_n=int(op.kind != "iack"))
         if op.kind != "rmw":
             await self._transfer(op, op.kind == "write", op.value)
             return
@@ -254,10 +252,7 @@ class VmeMaster:
                 spoiler.cancel()
             bus.ds_n.value = DS_NONE
             if last:
-                bus.as_n.value = 1
-                for handle in (bus.iackin_n, bus.iack_n):
-                    if handle is not None:
-                        handle.value = 1
+                bus.put(as_n=1, iackin_n=1, iack_n=1)
             await self._released(op)
             if write:
                 bus.d.value = self.random.getrandbits(max(16, bus.data_width)) & (

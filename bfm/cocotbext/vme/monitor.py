@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from cocotbext.mmcs import one_of, whole
+from cocotbext.mmcs import one_of, pin, whole
 from cocotbext.mmcs.monitor import Monitor
 from cocotbext.vme.bus import DS_BOTH, DS_EVEN, DS_NONE, VmeBus
 
@@ -93,11 +93,7 @@ class VmeMonitor(Monitor):
         for name in ("as_n", "ds_n", "write_n", "lword_n", "iack_n", "iackin_n", "iackout_n",
                      "dtack_n", "berr_n", "sysreset_n", "a", "am", "d", "q"):  # fmt: skip
             handle = getattr(bus, name)
-            value = None if handle is None else handle.value
-            if value is None or not value.is_resolvable:
-                seen[name] = 1 if handle is None else (1 << len(handle)) - 1
-            else:
-                seen[name] = int(value)
+            seen[name] = 1 if handle is None else pin(handle)
         driven = None if bus.q_oe is None else bus.q_oe.value
         seen["oe"] = int(driven) if driven is not None and driven.is_resolvable else None
         seen["cycle"] = (seen["a"], seen["am"], seen["lword_n"], seen["iack_n"])

@@ -78,12 +78,12 @@ class VmeSlave:
         if end == "dtack_n":
             self._store(offset, size) if write else self._fetch(offset, size)
         if not await self._stays(DATA_NS):
-            self._off()
+            bus.put(q_oe=0)
             return False
         bus.pull(end, self, True)
         while pin(bus.ds_n) != DS_NONE:
             await bus.ds_n.value_change
-        self._off()
+        bus.put(q_oe=0)
         await Timer(OFF_NS, "ns")
         bus.pull(end, self, False)
         self.answered += end == "dtack_n"
@@ -99,10 +99,6 @@ class VmeSlave:
                 return True
         return False
 
-    def _off(self) -> None:
-        if self.bus.q_oe is not None:
-            self.bus.q_oe.value = 0
-
     def _fetch(self, offset: int, size: int) -> None:
         bus, ones = self.bus, (1 << len(self.bus.q)) - 1
         if self.on_read:
@@ -112,9 +108,7 @@ class VmeSlave:
             value = int.from_bytes(self.memory[offset : offset + size], "big")
         even = size == 1 and offset + self.base & 1 == 0
         lanes = {1: 0xFF00 if even else 0xFF, 2: 0xFFFF, 4: ones}[size]
-        bus.q.value = ones & ~lanes | (value << 8 if even else value) & lanes
-        if bus.q_oe is not None:
-            bus.q_oe.value = 1
+        bus.put(q=ones & ~lanes | (value << 8 if even else value) & lanes, q_oe=1)
 
     def _store(self, offset: int, size: int) -> None:
         value = pin(self.bus.d)
