@@ -19,7 +19,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test fuzz generate help help-all installed learn-test lint linuxcnc-test litex-test mutation release sim test test-all test-fast test-icarus test-loaded test-netlist tool tool-test waves web web-test
+.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test fuzz generate help help-all installed learn-test lint linuxcnc-test litex-test mutation release sim test test-all test-fast test-icarus test-netlist tool tool-test waves web web-test
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -115,9 +115,6 @@ test-all: #: every suite, whole: .ci/run with all shares (some hours)
 test-fast: $(VENV)/.test ## all but the slow tests: some minutes once built
 	@MMCS_RANDOM_OPS=2000 $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not slow"
 
-test-loaded: $(VENV)/.test #: the suite beside busy loops, its processes stopped at random moments
-	@tools/stall.py -- $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
-
 SIM ?= verilator
 
 cocotb: $(VENV)/.test #: the cocotb regression; SIM=icarus, SIM=both: on another simulator
@@ -133,11 +130,13 @@ bench: $(VENV)/.test #: how fast it is, into docs/evidence/bench.md; BASE=commit
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench $(BASE)
 
-coverage: $(VENV)/.test ## line, branch and toggle coverage, HTML in build/coverage; ONLY=TEXT: of tests of that name
+coverage: $(VENV)/.test ## line, branch and toggle coverage, every line in build/coverage/report.txt; ONLY=TEXT: of tests of that name
 	@$(BIN)/python tools/coverage.py $(if $(ONLY),--only "$(ONLY)")
 
 attack: $(VENV)/.test #: every test that means no good, and damaged inputs for every parser in Python
-	@$(BIN)/python tools/attack.py $(ATTACK)
+	@$(BIN)/python -m pytest -q labs/tests/test_grader_attacks.py $(patsubst %,mmcs/tests/test_%.py,hostile damaged \
+	    whole mistakes exec place device_attacks device_ends messages stop tool_stop)
+	@$(BIN)/python tools/parsers.py $(ATTACK)
 
 N ?= 100000
 

@@ -2,7 +2,7 @@
 """Line, branch and toggle coverage of rtl/: `make coverage`.
 
 Runs the cocotb regression on coverage builds, merges what every simulation wrote, and makes
-build/coverage/index.html. Points that cannot be reached stand in
+build/coverage/report.txt. Points that cannot be reached stand in
 cocotb_tests/coverage_exceptions.toml, each with its reason; one that was reached after all, or
 whose line is gone, fails.
 `--report` only merges what is there; `--only TEXT` runs tests whose name, file or folder
@@ -19,27 +19,11 @@ import tomllib
 from collections import Counter, defaultdict
 from pathlib import Path
 
-import jinja2
-
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "coverage"
 EXCEPTIONS = ROOT / "cocotb_tests" / "coverage_exceptions.toml"
 GOALS = {"line": 100.0, "branch": 100.0, "toggle": 95.0}
 SHOWN = 60  # complaints on the terminal
-
-PAGE = jinja2.Template(
-    """<!doctype html><meta charset="utf-8"><title>MMCS RTL coverage</title>
-<style>body{font:14px sans-serif;margin:2em}td,th{padding:2px 10px;text-align:left}
-pre{margin:0;font:12px monospace}.miss{background:#fdd}.hit{background:#efe}.exc{background:#eee}
-.n{color:#888}</style>
-<h1>RTL coverage</h1><table><tr><th>file<th>line<th>branch<th>toggle</tr>
-{% for f, s in files.items() %}<tr><td><a href="#{{ f }}">{{ f }}</a>
-{% for k in kinds %}<td>{{ s[k] }}{% endfor %}</tr>{% endfor %}</table>
-{% for f, rows in listings.items() %}<h2 id="{{ f }}">{{ f }}</h2>
-{% for r in rows %}<pre class="{{ r.cls }}"><span class="n">{{ "%4d" % r.n }}</span> {{ r.text|e }}\
-{% if r.note %}<span class="n">  // {{ r.note|e }}</span>{% endif %}</pre>{% endfor %}{% endfor %}
-"""
-)
 
 
 def parse(path: Path):
@@ -116,9 +100,9 @@ def structural(points: Counter) -> tuple[list[str], dict, dict, dict, Exceptions
                     missed.append(f"{kind} {what}")
                     if kind != "toggle":
                         problems.append(f"{name}:{n}: {kind} {what} not reached: {text.strip()}")
-            state = "miss" if missed else "exc" if reasons else "hit" if by_file[name][n] else ""
+            state = "!" if missed else "-" if reasons else "+" if by_file[name][n] else " "
             note = ", ".join(missed[:8]) or "; ".join(reasons)
-            rows.append({"n": n, "text": text, "cls": state, "note": note})
+            rows.append(f"{state}{n:4d} {text}" + (f"  // {note}" if note else ""))
         listings[name] = rows
         files[name] = {k: "{}/{}".format(*tally[k]) for k in GOALS}
         for kind in GOALS:
@@ -129,12 +113,14 @@ def structural(points: Counter) -> tuple[list[str], dict, dict, dict, Exceptions
 def report(points: Counter, some: bool) -> int:
     """Of all tests a judgement, of some what each file reached."""
     problems, files, listings, sums, allowed = structural(points)
-    page = PAGE.render(files=files, listings=listings, kinds=GOALS)
-    (BUILD / "index.html").write_text(page)
+    told = {name: f"{name:32s} " + ", ".join(f"{k} {reached[k]}" for k in GOALS)
+            for name, reached in files.items()}  # fmt: skip
+    parts = ["\n".join([told[name], *rows, ""]) for name, rows in listings.items()]
+    (BUILD / "report.txt").write_text("\n".join([*told.values(), "", *parts]))
     if some:
-        for name, reached in files.items():
-            print(f"coverage: {name:32s} " + ", ".join(f"{k} {reached[k]}" for k in GOALS))
-        print("coverage: of some tests alone; report in build/coverage/index.html")
+        for line in told.values():
+            print(f"coverage: {line}")
+        print("coverage: of some tests alone; report in build/coverage/report.txt")
         return 0
     for line in problems[:SHOWN]:
         print(f"coverage: {line}", file=sys.stderr)
@@ -147,7 +133,7 @@ def report(points: Counter, some: bool) -> int:
             f"coverage: {kind:6s} {percent:6.2f} % ({hit} of {all_}), goal {goal:g} %; "
             f"{excepted} points excepted"
         )
-    print(f"coverage: {len(allowed.entries)} exceptions; report in build/coverage/index.html")
+    print(f"coverage: {len(allowed.entries)} exceptions; report in build/coverage/report.txt")
     return 0 if ok else 1
 
 

@@ -27,16 +27,11 @@ OPTIONS = {
 LIMITS = ["-timeout=300", "-rss_limit_mb=4096", "-max_len=40000"]
 
 
-def made(name: str, *command) -> Path:
-    """A program, compiled anew: what it is made of is many files."""
-    out = BUILD / name
-    subprocess.run([*map(str, command), "-o", str(out)], cwd=ROOT, check=True)
-    return out
-
-
 def client() -> Path:
-    source = "sim/tests/fuzz/client.c"
-    return made("client", CC, *SANITIZE, "-Isim/device", source, "-ldl", "-lpthread")
+    """The program, compiled anew: what it is made of is many files."""
+    command = [CC, *SANITIZE, "-Isim/device", "sim/tests/fuzz/client.c", "-ldl", "-lpthread"]
+    subprocess.run([*command, "-o", BUILD / "client"], cwd=ROOT, check=True)
+    return BUILD / "client"
 
 
 def calls() -> Path:

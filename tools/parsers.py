@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every parser in Python with a good input, for those who damage inputs: attack.py and fuzz.py."""
+"""Every parser in Python with a good input, and inputs damaged at random for each: the end of `make
+attack`. tools/fuzz.py damages them as coverage leads it.
 
+parsers.py [--inputs N] [--seed S]
+"""
+
+import argparse
 import json
+import random
 import select
 import socket
 import struct
+import sys
+import tempfile
+from collections import Counter
 from pathlib import Path
 
 from mmcs import ROBOTS, ROOT, InputError
@@ -189,3 +198,52 @@ def _stop(folder: Path) -> Parser:
                 path._read(far, kept)
 
     return Parser("stop", b"state\nstop\npress\nrelease\n", take, ())
+
+
+# --- damage --------------------------------------------------------------------------------------
+
+
+def damaged(data: bytes, chance: random.Random) -> bytes:
+    """The bytes with something changed, cut out, doubled or put in."""
+    out = bytearray(data)
+    for _ in range(chance.randrange(1, 4)):
+        at, kind = chance.randrange(len(out) + 1), chance.randrange(5)
+        end = min(len(out), at + chance.randrange(1, 40))
+        if kind == 0:
+            out[at:end] = b""
+        elif kind == 1:
+            out[at:at] = out[at:end]
+        elif kind == 2:
+            out[at:at] = chance.choice((b"\0", b"\xff", b"[", b"{", b"nan", b"-1", b"1e999", b'"'))
+        elif at < len(out):
+            out[at] = chance.randrange(256) if kind == 3 else out[at] ^ 1 << chance.randrange(8)
+    return bytes(out)
+
+
+def fuzz(inputs: int, seed: int) -> int:
+    """Damaged inputs for each parser; how many ended in neither a result nor a sentence."""
+    wrong = 0
+    with tempfile.TemporaryDirectory() as folder:
+        for parser in parsers(Path(folder)):
+            chance, ends = random.Random(f"{seed}/{parser.name}"), Counter()
+            parser.take(parser.good)  # else what is damaged of it would be refused at once
+            for n in range(inputs):
+                data = damaged(parser.good, chance)
+                try:
+                    parser.take(data)
+                    ends["taken"] += 1
+                except parser.refusals:
+                    ends["refused"] += 1
+                except Exception as error:
+                    ends["wrong"] += 1
+                    print(f"attack: {parser.name}, input {n}: {error!r}", flush=True)
+            wrong += ends["wrong"]
+            print(f"attack: {parser.name}: {inputs} inputs, {dict(ends)}", flush=True)
+    return wrong
+
+
+if __name__ == "__main__":
+    asked = argparse.ArgumentParser(description=__doc__)
+    asked.add_argument("--inputs", type=int, default=20_000, help="for each parser")
+    asked.add_argument("--seed", type=int, default=1989)
+    sys.exit(fuzz(**vars(asked.parse_args())) > 0)

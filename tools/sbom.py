@@ -2,10 +2,9 @@
 """What others made and mmcs needs or carries: sbom.cdx.json (CycloneDX 1.5) and THIRD_PARTY.txt.
 
 setup.py puts both into the wheel, `make web` into the site. Only Python's own library is used here:
-a wheel is built where nothing else is. As a program it writes both into a folder.
+a wheel is built where nothing else is.
 """
 
-import argparse
 import base64
 import importlib.metadata
 import json
@@ -73,9 +72,3 @@ def write(folder: Path, libraries: Path) -> None:
 
 def _notice(title: str, texts: list[str]) -> str:
     return f"{'=' * 78}\n{title}\n{'=' * 78}\n\n" + "\n".join(texts)
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    write(parser.parse_args().folder, ROOT / ".venv" / "share" / "mmcs" / "node_modules")

@@ -14,11 +14,15 @@ TABLE = ROOT / "tools" / "sizes.toml"
 NOT_COUNTED = (":!*.svg", ":!*.lock", ":!*package-lock*")
 
 
-def lines(paths: list[str]) -> int:
-    """Lines of the text files that these pathspecs of git select."""
-    command = ["git", "grep", "-Ic", "", "--", *paths, *NOT_COUNTED]
+def lines(rows: list[str]) -> dict[str, int]:
+    """Lines of the text files of each row; a file is of the row with its innermost folder."""
+    command = ["git", "grep", "-Ic", "", "--", ".", *NOT_COUNTED]
     done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=True)
-    return sum(int(line.rpartition(":")[2]) for line in done.stdout.splitlines())
+    owners = {Path(folder): row for row in rows for folder in row.split()}
+    found = dict.fromkeys(rows, 0)
+    for name, _, count in (line.rpartition(":") for line in done.stdout.splitlines()):
+        found[next(owners[p] for p in Path(name).parents if p in owners)] += int(count)
+    return found
 
 
 def main() -> int:
@@ -26,12 +30,12 @@ def main() -> int:
     parser.add_argument("--lower", action="store_true")
     lower = parser.parse_args().lower
     text, grown = TABLE.read_text(), 0
-    for name, folder in tomllib.loads(text).items():
-        count, limit = lines(folder["paths"]), folder["lines"]
-        if lower and count < limit:
-            text = re.sub(rf'(?<=\["{re.escape(name)}"\]\nlines = )\d+', str(count), text)
-        if count > limit:
-            print(f"sizes: {name} has {count} lines, at most {limit}", file=sys.stderr)
+    limits = tomllib.loads(text)
+    for name, count in lines(list(limits)).items():
+        if lower and count < limits[name]:
+            text = re.sub(rf'(?<="{re.escape(name)}" = )\d+', str(count), text)
+        if count > limits[name]:
+            print(f"sizes: {name} has {count} lines, at most {limits[name]}", file=sys.stderr)
             grown += 1
     TABLE.write_text(text)
     return int(grown > 0)

@@ -27,7 +27,6 @@ WITHOUT_RTL = {
     "firmware/tests/test_processors.py": "the same on two processors",
     "mmcs/tests/test_design.py": "control design",
     "mmcs/tests/test_regs.py": "the files that the register map generates",
-    "fpga/tests/test_build.py": "what elaborates, and does not run",
 }
 
 
@@ -35,21 +34,11 @@ def collect() -> dict[str, list[str]]:
     """{pytest node id: requirement ids}, by pytest's own collection; runs no test."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "req.json"
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", "--collect-only", "-qq", "--req-json", out],
-            cwd=ROOT,
-            text=True,
-            capture_output=True,
-            check=False,
-        )
+        command = [sys.executable, "-m", "pytest", "--collect-only", "-qq", "--req-json", out]
+        done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
         if done.returncode or not out.is_file():
             sys.exit(f"trace: the tests cannot be collected\n{done.stdout[-3000:]}{done.stderr}")
         return json.loads(out.read_text())
-
-
-def test_files(nodes: list[str]) -> str:
-    """The files of the tests of one requirement."""
-    return links(sorted({node.partition("::")[0] for node in nodes}))
 
 
 def links(files: list[str]) -> str:
@@ -85,41 +74,26 @@ def page(requirements: dict, tests: dict[str, list[str]]) -> str:
     lines = ["| id | report § | requirement | implemented in | tests |", "|---|---|---|---|---|"]
     for key, req in requirements.items():
         nodes = [n for n, ids in tests.items() if key in ids and (not in_rtl(req) or holds_rtl(n))]
-        held = test_files(nodes) or ("open" if req.get("open") else "**MISSING**")
-        lines.append(
-            f"| {key} | {req['section']} | {req['text']} | {links(req['files'])} | {held} |"
-        )
+        held = links(sorted({n.partition("::")[0] for n in nodes}))
+        held = held or ("open" if req.get("open") else "**MISSING**")
+        cells = (key, req["section"], req["text"], links(req["files"]), held)
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(["# Requirements and their tests", "", *lines, ""])
 
 
 def problems(requirements: dict, tests: dict[str, list[str]]) -> list[str]:
     used = {i for ids in tests.values() for i in ids}
     held = {i for node, ids in tests.items() if holds_rtl(node) for i in ids}
-    out = [
-        f"{k}: no test that holds RTL carries this id"
-        for k, r in requirements.items()
-        if k in used - held and in_rtl(r)
-    ]
-    out += unseeded(requirements, tests)
+    wanted = {k: r for k, r in requirements.items() if not r.get("open")}
+    out = unseeded(requirements, tests)
     out += [f"{f} is not there: WITHOUT_RTL" for f in WITHOUT_RTL if not (ROOT / f).exists()]
-    out += [
-        f"{k}: no test carries this id"
-        for k, r in requirements.items()
-        if k not in used and not r.get("open")
-    ]
-    out += [
-        f"{node}: unknown requirement id {i}"
-        for node, ids in tests.items()
-        for i in ids
-        if i not in requirements
-    ]
-    out += [
-        f"{k}: {f} does not exist"
-        for k, r in requirements.items()
-        if not r.get("open")
-        for f in r["files"]
-        if not (ROOT / f).exists()
-    ]
+    out += [f"{k}: no test carries this id" for k in wanted if k not in used]
+    out += [f"{k}: no test that holds RTL carries this id"
+            for k, r in requirements.items() if k in used - held and in_rtl(r)]  # fmt: skip
+    out += [f"{node}: unknown requirement id {i}"
+            for node, ids in tests.items() for i in ids if i not in requirements]  # fmt: skip
+    out += [f"{k}: {f} does not exist"
+            for k, r in wanted.items() for f in r["files"] if not (ROOT / f).exists()]  # fmt: skip
     return out
 
 

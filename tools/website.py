@@ -56,16 +56,8 @@ def build() -> None:
     """The engine, once for each size of machine."""
     env = {**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     for cards in CARDS:
-        command = [
-            "make",
-            "-s",
-            "-f",
-            "sim/Makefile",
-            "KIND=web",
-            f"CARDS={cards}",
-            "CXX=em++",
-            "CC=emcc",
-        ]
+        command = ["make", "-s", "-f", "sim/Makefile", "KIND=web", f"CARDS={cards}"]
+        command += ["CXX=em++", "CC=emcc"]
         if subprocess.run(command, cwd=ROOT, env=env, check=False).returncode:
             raise SystemExit("mmcs: the engine does not compile to WebAssembly; see above")
 
@@ -117,11 +109,9 @@ def _big(folder: str, names: list[str]) -> list[str]:
 def _write_cache(folder: Path) -> None:
     """The names of all files, for the service worker: the site then works without a network."""
     files = sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
-    digest = hashlib.sha256(b"".join((folder / name).read_bytes() for name in files)).hexdigest()[
-        :12
-    ]
+    digest = hashlib.sha256(b"".join((folder / name).read_bytes() for name in files)).hexdigest()
     text = (folder / "offline.js").read_text()
-    text = text.replace('"FILES"', json.dumps(["./", *files])).replace("VERSION", digest)
+    text = text.replace('"FILES"', json.dumps(["./", *files])).replace("VERSION", digest[:12])
     (folder / "offline.js").write_text(text)
 
 

@@ -43,6 +43,7 @@ SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dp
 # Only with these tops do the bus checkers find what they are bound to.
 CHECKED_TOPS = ("mmcs", "mmcs_tb")
 TESTBENCH = ROOT / "sim/dpi/mmcs_tb.sv"  # with the engine behind it
+NO_DPI = "Icarus has no DPI-C: docs/use/dpi.md"
 # All nets of a design would make twice the code, of a netlist ten times.
 PORTS = '`verilator_config\npublic_flat_rw -module "{top}" -var "*"\n'
 # Of a long run behind DPI, the machine's wires.
@@ -212,14 +213,6 @@ def digest_of(files: list[Path]):
     return digest
 
 
-def is_current(folder: Path) -> bool:
-    """Whether a build was made from the sources as they are now."""
-    built = folder / "built"
-    before, *files = (built.is_file() and built.read_text().splitlines()) or [""]
-    paths = [Path(file) for file in files]
-    return all(p.is_file() for p in paths) and digest_of(paths).hexdigest() == before
-
-
 def build(job: Job):
     """The runner with the design built, building only what no earlier run has built."""
     if not shutil.which({"icarus": "iverilog"}.get(job.sim, job.sim)):
@@ -228,7 +221,6 @@ def build(job: Job):
     arguments = _arguments(job)
     files_read = [*files, *(f for folder in includes for f in sorted(folder.rglob("*.svh")))]
     digest = digest_of(files_read)
-    text = "".join(f"{file}\n" for file in (digest.hexdigest(), *files_read))
     digest.update(repr((job.toplevel, job.sim, job.parameters, arguments, OPTIMISE)).encode())
     digest.update(sys.version.encode() + sys.prefix.encode())
     folder = build_root() / f"{job.toplevel}-{job.sim}-{digest.hexdigest()[:12]}"
@@ -259,7 +251,7 @@ def build(job: Job):
                 raise BuildError(f"{job.toplevel}: {error}\n{_tail(log)}") from None
             if job.sim == "verilator":
                 _keep_objects(folder, job.coverage)
-            (folder / "built").write_text(text)
+            (folder / "built").touch()
     runner.build_dir = folder
     return runner
 

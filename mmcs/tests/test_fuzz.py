@@ -9,11 +9,11 @@ import pytest
 from mmcs import ROOT
 
 SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "firmware" / "tests")]
-from attack import fuzz  # noqa: E402
+sys.path.insert(0, str(ROOT / "firmware" / "tests"))
 from test_firmware import program  # noqa: E402
 
 from tools.compiled import compiled, ran  # noqa: E402
+from tools.parsers import fuzz  # noqa: E402
 
 
 def said(*command):

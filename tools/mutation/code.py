@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation score of driver, plant, the service's scripts, and of the Python that judges and guards:
-the last part of `make mutation`.
+"""Mutation score of driver, plant, the service's scripts, of the Python that judges and guards, and
+of what the page computes: the last part of `make mutation`.
 
 universalmutator changes one line, by its rules for the language; each mutant that builds, some
 of every file, meets the suite of its folder in a copy of the project.
@@ -20,7 +20,9 @@ import random
 import re
 import shutil
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 from tools.mutation import faults
 from tools.share import mixed, shared
@@ -37,9 +39,14 @@ SUITES = {
     "mmcs/tool/pages.py": "mmcs/tests/test_tool.py::"
     "test_a_request_that_is_none_is_refused_and_not_logged",
 }
-RULES = {"py": ["universal.rules", "python.rules"]}
+# What the tests of node reach; the page in a browser has suites of minutes.
+PAGE = ("engine/record", "params", "recording", "registers", "samples", "status", "trigger",
+        "units", "wave_data")  # fmt: skip
+SUITES |= {f"web/{name}.js": "mmcs/tests/test_tool.py::test_the_pages_logic" for name in PAGE}
+RULES = {"py": ["universal.rules", "python.rules"],
+         "js": ["universal.rules", "c_like.rules", "javascript.rules"]}  # fmt: skip
 C_RULES = ["universal.rules", "c_like.rules", "cpp.rules"]
-IGNORED = [r"^\s*(//|#|_Static_assert|static_assert)", r"text_log\(", r"^(import|from) "]
+IGNORED = [r"^\s*(//|/?\*+ |#|_Static_assert|static_assert)", r"text_log\(", r"^(import|from) "]
 EACH, LEAST, CPU_S = 2, 0.6, 200
 
 
@@ -75,6 +82,8 @@ def builds(mutant: dict) -> bool:
     include = [f"-I{faults.ROOT / d}" for d in ("firmware/include", "sim/abi")]
     language = ["cc", "-xc"] if path.suffix == ".c" else ["c++", "-xc++", "-std=c++17"]
     command = [*language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *include, "-"]
+    if path.suffix == ".js":
+        command = [Path(sys.executable).with_name("node"), "--input-type=module", "--check"]
     told = subprocess.run(command, input=mutant["text"], cwd=path.parent, text=True,
                           capture_output=True, check=False)  # fmt: skip
     return told.returncode == 0
@@ -127,7 +136,12 @@ def main() -> int:
     some = some if args.only else shared(some)
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         done = pool.map(lambda file: fates(file, suites[file], args.each), some)
-        told = [killed for each in done for killed in each]
+        by_language: dict[str, list[bool]] = {}
+        for file, each in zip(some, done, strict=True):
+            by_language.setdefault(Path(file).suffix[1:], []).extend(each)
+    for language, killed in by_language.items():
+        print(f"code: {language}: {sum(killed)} of {len(killed)} mutants killed")
+    told = [killed for each in by_language.values() for killed in each]
     print(f"code: {sum(told)} of {len(told)} mutants killed in {len(some)} files")
     return int(len(told) >= 20 and sum(told) < LEAST * len(told))
 

@@ -26,7 +26,7 @@ LIST = ROOT / "tools" / "mutation" / "faults.toml"
 WORK = Path("build") / "faults"  # relative: the provers see the folder they are started in
 CPU_S = 900  # of processor time for a process of a broken design: it hangs, and that is noticed
 WALL_S = 4 * 3600  # a guard against what hangs without computing: that says nothing
-COPIED = ("rtl", "formal", "firmware", "mmcs", "tools", "sim", "mmcs.core", "conftest.py",
+COPIED = ("rtl", "formal", "firmware", "mmcs", "tools", "sim", "web", "mmcs.core", "conftest.py",
           "pyproject.toml")  # fmt: skip
 NO_BUILD = "the project with the fault does not build"
 

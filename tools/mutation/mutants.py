@@ -16,6 +16,8 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from tools.sources import sources
+
 ROOT = Path(__file__).resolve().parents[2]
 WORK = Path("build") / "mutation"  # relative: this Yosys sees the folder it is started in
 SEED = 1989
@@ -127,12 +129,6 @@ def yosys(script: str, label: str) -> str:
     return done.stdout
 
 
-def sources() -> list[Path]:
-    from tools.sources import sources as listed
-
-    return [f.relative_to(ROOT) for f in listed("rtl", ROOT)]
-
-
 def constant(value, top: str):
     """A parameter; a name stands for the constant of that name in the tests of the top."""
     if not isinstance(value, str):
@@ -144,8 +140,8 @@ def netlist(top: str, block: str) -> tuple[str, Path, dict]:
     """Module, the netlist that is mutated, the parameters: other modules stay boxes."""
     module, file = block.rsplit("/", 1)[-1], Path("rtl") / f"{block}.sv"
     parameters = {k: constant(v, top) for k, v in TOPS[top][1][block][0].items()}
-    boxes = [f for f in sources() if f != file and "_pkg" not in f.name]
-    package = [f for f in sources() if "_pkg" in f.name]
+    boxes = [f for f in sources("rtl", Path()) if f != file and "_pkg" not in f.name]
+    package = [f for f in sources("rtl", Path()) if "_pkg" in f.name]
     out = WORK / top / f"{module}.il"
     sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
     yosys(
@@ -242,7 +238,7 @@ def equivalent(mutant: Mutant, seconds: int, whole: bool) -> bool:
     or are put in, as they are with these parameters (`whole`).
     """
     file = next(b for b in TOPS[mutant.top][1] if b.rsplit("/", 1)[-1] == mutant.module)
-    others = [str(f) for f in sources() if f != Path("rtl") / f"{file}.sv"]
+    others = [str(f) for f in sources("rtl", Path()) if f != Path("rtl") / f"{file}.sv"]
     if whole:
         inside = f"delete =A:blackbox\nread_verilog -sv -Irtl {' '.join(others)}\n"
         return proved(mutant, seconds, inside, "")

@@ -56,7 +56,8 @@ def run(todo: list[Mutant], made: dict[str, list], pool, keep) -> None:
 
 
 def waivers() -> list[dict]:
-    return tomllib.loads(WAIVERS.read_text())["waiver"]
+    listed = tomllib.loads(WAIVERS.read_text())
+    return [{"module": module} | entry for module, own in listed.items() for entry in own]
 
 
 def plain(mutant: Mutant) -> str:

@@ -20,8 +20,8 @@ from tools.compiled import ran
 # Not suites of their own, and why.
 OTHERWISE = {
     "test-all": "runs .ci/run",
+    "attack": "tests of test, and damaged inputs",
     "test-fast": "a part of test",
-    "test-loaded": "test, beside busy loops",
     "cocotb": "a part of test; SIM=icarus is test-icarus",
 }
 # Suites that their name does not tell.

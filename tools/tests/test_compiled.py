@@ -33,12 +33,6 @@ def test_nothing_is_made_twice(program, monkeypatch):
     assert program() == path
 
 
-def test_a_header_changes(program, tmp_path):
-    assert said(program()) == "one\n"
-    (tmp_path / "said.h").write_text('#define SAID "two"\n')
-    assert said(program()) == "two\n"
-
-
 @pytest.mark.parametrize("compiler", ["cc", "clang"])
 def test_a_header_of_the_first_of_two_sources_changes(program, tmp_path, compiler):
     (tmp_path / "b.c").write_text("int b;\n")

@@ -34,7 +34,7 @@ WHOLE = re.compile(r"^(cc|g\+\+|iverilog) ", re.M)  # fences that are run from f
 START = re.compile(r"make|mmcs|\.ci/run|\. \.venv/bin/activate|\.venv/bin/\S+|python|pytest|cc")
 # What stands for the reader's own, and what makes a long command short; the options stay.
 INSTEAD = {
-    "RUN": "own", "NAME": "lab500", "...": "seed=1..1000",
+    "RUN": "own", "...": "seed=1..1000",
     "/tmp/slow": "slow", "puma560_double_buffer": "own", "puma560_single_buffer": "own",
 }  # fmt: skip
 FEWER = {"--samples": "2", "--faults": "4"}

@@ -3,12 +3,10 @@
 
 import base64
 import hashlib
-import http.server
 import io
 import json
 import os
 import re
-import ssl
 import subprocess
 import sys
 import tarfile
@@ -46,7 +44,7 @@ def test_settings_of_pip_reach_uv_and_npm(plain, monkeypatch):
 
 
 def test_a_silent_installer_is_told_of(plain, monkeypatch):
-    said, found = [], threading.Event()
+    said, found, popen = [], threading.Event(), subprocess.Popen
 
     def tell(line, **_):
         said.append(line)
@@ -57,7 +55,7 @@ def test_a_silent_installer_is_told_of(plain, monkeypatch):
     monkeypatch.setattr(fetch, "EVERY_S", 0.05)
     script = "import sys, time; print('got it', flush=True); sys.stdin.read()"
     reader, writer = os.pipe()
-    monkeypatch.setattr(fetch.subprocess, "Popen", lambda *a, **k: POPEN(*a, stdin=reader, **k))
+    monkeypatch.setattr(fetch.subprocess, "Popen", lambda *a, **k: popen(*a, stdin=reader, **k))
     thread = threading.Thread(target=fetch.run, args=("it", [sys.executable, "-c", script]))
     thread.start()
     found.wait()
@@ -66,9 +64,6 @@ def test_a_silent_installer_is_told_of(plain, monkeypatch):
     os.close(reader)
     assert said[0] == "mmcs: installing it"
     assert re.fullmatch(r"mmcs: installing it, \d+ s: got it", said[-1])
-
-
-POPEN = subprocess.Popen
 
 
 @pytest.mark.parametrize(
@@ -130,43 +125,6 @@ def test_nothing_comes_that_the_lock_has_no_hash_of(tmp_path, needs, damaged, wh
         env=os.environ | {"UV_NO_INDEX": "1", "UV_NO_CACHE": "1", "UV_FIND_LINKS": str(tmp_path)},
     )  # fmt: skip
     assert done.returncode == 2 and why in done.stderr, done.stderr
-
-
-def test_uv_trusts_the_certificate_that_pip_is_configured_with(plain, tmp_path, capfd):
-    """An index behind a certificate that no system knows."""
-    served = tmp_path / "simple" / "mmcs-probe"
-    served.mkdir(parents=True)
-    wheel = a_wheel(served).name
-    (served / "index.html").write_text(f'<a href="{wheel}">{wheel}</a>')
-    (tmp_path / "names").write_text("subjectAltName=DNS:localhost")
-    made = "openssl req -newkey rsa:2048 -nodes -subj /CN=probe"
-    for command in (
-        f"{made} -x509 -keyout ca.key -out ca.pem", f"{made} -keyout key.pem -out request",
-        "openssl x509 -req -in request -CA ca.pem -CAkey ca.key -extfile names -out cert.pem",
-    ):  # fmt: skip
-        subprocess.run(command.split(), check=True, capture_output=True, cwd=tmp_path)
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.load_cert_chain(tmp_path / "cert.pem", tmp_path / "key.pem")
-
-    class Handler(http.server.SimpleHTTPRequestHandler):
-        def __init__(self, *args):
-            super().__init__(*args, directory=str(tmp_path))
-
-        def log_message(self, *args):
-            pass
-
-    with http.server.ThreadingHTTPServer(("localhost", 0), Handler) as server:
-        server.socket = context.wrap_socket(server.socket, server_side=True)
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        index = f"https://localhost:{server.server_port}/simple"
-        command = [sys.executable, "-m", "uv", "pip", "install", "--no-cache", "--dry-run",
-                   "--no-config", "--python", sys.executable, "mmcs-probe"]  # fmt: skip
-        plain.write_text(f"[global]\nindex-url = {index}\n")
-        assert fetch.run("a package", command) == 2
-        assert "global.cert FILE" in capfd.readouterr().err
-        plain.write_text(f"[global]\nindex-url = {index}\ncert = {tmp_path}/ca.pem\n")
-        assert fetch.run("a package", command) == 0
-        server.shutdown()
 
 
 def test_every_installer_of_the_makefile_is_run_so():

@@ -78,3 +78,17 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
     group.write_text("[options]\n\n[script]\nread_verilog -sv {no_such_module}\n")
     with pytest.raises(SystemExit, match=r"group.sby reads 'no_such_module', which is not there"):
         formal.text(group)
+
+
+@pytest.mark.parametrize(
+    ("script", "verdict"),
+    [("sleep 2; echo 'DONE (PASS, rc=0)'", "PASS"), ("while :; do :; done", "TIMEOUT")],
+)
+def test_the_limit_is_of_processor_time(tmp_path, monkeypatch, script, verdict):
+    """A prover that waits for a busy machine goes on, one that computes for longer ends."""
+    prover = tmp_path / "yowasp-sby"
+    prover.write_text(f"#!/bin/sh\n{script}\n")
+    prover.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    monkeypatch.setattr(formal, "LIMIT_S", 1)
+    assert formal.run(ROOT / "formal" / "oneshot.sby", "prove", tmp_path).verdict == verdict

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mmcs.core is the one list: of the testbench's files, and of what each chip is made of."""
+"""mmcs.core is the one list: of the testbench's files, of what each chip is made of, and of what
+slang, a second opinion of the language, is given."""
 
 from pathlib import Path
 
 from mmcs import ROOT
+from tools import slang
 from tools.sources import made_of, manifest, sources
 
 
@@ -18,3 +20,20 @@ def test_a_chip_has_what_it_is_made_of():
     benches = [Path(file).stem for file in sets["benches"]["files"]]
     for chip in (name.removesuffix("_tb") for name in benches if name.endswith("_tb")):
         assert sets[chip]["files"] == [str(f) for f in made_of(chip)]
+
+
+def test_slang_is_given_every_file():
+    given = {str(word) for arguments in slang.jobs().values() for word in arguments}
+    listed = (ROOT / "sim/dpi/mmcs_tb.f").read_text()
+    for file in (ROOT / "rtl").rglob("*.sv"):
+        name = str(file.relative_to(ROOT))
+        assert str(file) in given or name in listed, name
+
+
+def test_an_error_of_slang_is_told(tmp_path):
+    """A port that is not there parses; only elaboration finds it."""
+    file = tmp_path / "wrong.sv"
+    file.write_text("module a(input logic x); endmodule\nmodule b; a u(.y(1'b0)); endmodule\n")
+    assert not slang.elaborates([file])
+    file.write_text("module a(input logic x); endmodule\nmodule b; a u(.x(1'b0)); endmodule\n")
+    assert slang.elaborates([file])
