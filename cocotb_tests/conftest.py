@@ -75,7 +75,10 @@ class CocotbFile(pytest.File):
         extra = tuple(in_tree(file) for file in named)
         generators = [o for o in vars(module).values() if isinstance(o, TestGenerator)]
         for variant, parameters in variants.items():
+            dpi = getattr(module, "DPI", {}).get(variant, ())
             for sim in sims:
+                if dpi and sim == "icarus":  # has no DPI-C: docs/use/dpi.md
+                    continue
                 job = runner.Job(
                     name,
                     runner.toplevel(module, variant),
@@ -83,7 +86,7 @@ class CocotbFile(pytest.File):
                     tuple(sorted(parameters.items())),
                     extra,
                     self.config.getoption("--rtl-coverage") and sim == "verilator",
-                    dpi=getattr(module, "DPI", {}).get(variant, ()),
+                    dpi=dpi,
                     environment=(("MMCS_VARIANT", variant),),
                     waves=self.config.getoption("--waves"),
                 )
@@ -107,8 +110,6 @@ class CocotbItem(pytest.Item):
             self.add_marker(pytest.mark.req(*ids))
         if getattr(test.func, marks.SLOW, False):
             self.add_marker(pytest.mark.slow)
-        if job.dpi and job.sim == "icarus":
-            self.add_marker(pytest.mark.skip(reason=runner.NO_DPI))
         variant = self.name.rpartition("[")[2].rstrip("]")
         self.add_marker(pytest.mark.xdist_group(f"{job.module}-{variant}"))
 

@@ -43,7 +43,6 @@ SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dp
 # Only with these tops do the bus checkers find what they are bound to.
 CHECKED_TOPS = ("mmcs", "mmcs_tb")
 TESTBENCH = ROOT / "sim/dpi/mmcs_tb.sv"  # with the engine behind it
-NO_DPI = "Icarus has no DPI-C: docs/use/dpi.md"
 # All nets of a design would make twice the code, of a netlist ten times.
 PORTS = '`verilator_config\npublic_flat_rw -module "{top}" -var "*"\n'
 # Of a long run behind DPI, the machine's wires.
