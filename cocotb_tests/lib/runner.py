@@ -303,7 +303,8 @@ def _setup(job: Job, folder: Path) -> list[str]:
 
 def _simulate(runner, job: Job, tests: list[str], seed: int, label: str):
     """One simulation: the outcomes it left, what to say about those it did not, its log."""
-    folder = _run_folder(runner.build_dir / f"{job.module.rsplit('.', 1)[-1]}-{label}")
+    of = [job.module.rpartition(".")[2], *(value for _, value in job.environment if value), label]
+    folder = _run_folder(runner.build_dir / "-".join(of))  # of one variant: its coverage stays
     log, results = folder / "sim.log", folder / "results.xml"
     names = "|".join(re.escape(t) for t in tests)
     # under pytest the runner would look at results.xml by itself and end the process
