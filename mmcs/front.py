@@ -132,7 +132,7 @@ def sweep(scenario: str, *sets: str, grid: dict | None = None, random: dict | No
     grid, random: values by key, {"axis.0.b0": [56, 64]} or as typed, {"seed": "1..100"}.
     """
     from mmcs.sweeps.plan import MAX_RUNS, make_plan
-    from mmcs.sweeps.workers import cores, run_here
+    from mmcs.sweeps.workers import cores, failed, run_here
 
     def typed(name: str, vary: dict | None) -> tuple[str, ...]:
         try:
@@ -150,9 +150,11 @@ def sweep(scenario: str, *sets: str, grid: dict | None = None, random: dict | No
     plan = make_plan(
         str(scenario), typed("grid", grid), typed("random", random), samples, seed, sets
     )
-    tasks = ((n, plan.setup(plan.values(n))) for n in range(len(plan)))
-    done = dict(run_here(tasks, min(crew, len(plan))))
-    return _pandas().DataFrame([plan.values(n) | done[n] for n in range(len(plan))])
+    rows: dict[int, dict] = {}
+    tasks = plan.tasks({}, lambda n, why: rows.update({n: failed(why)}))
+    for (n,), row in run_here(tasks, min(crew, len(plan))):
+        rows[n] = row
+    return _pandas().DataFrame([plan.values(n) | rows[n] for n in range(len(plan))])
 
 
 def campaign(*motions: str | Path, faults: int = 1000, seed: int = 1, sorts: tuple[str, ...] = (),

@@ -66,6 +66,7 @@ class Group(click.Group):
             _fail(str(error), 1)
         except (KeyboardInterrupt, click.Abort) as error:
             number = (error.__cause__ or error).args or (signal.SIGINT,)
+            eval("0")  # else Python ends by SIGINT where it came within an exec() of a text
             _fail("stopped", 128 + number[0])
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # the reader has seen enough
@@ -218,7 +219,6 @@ def run(scenario, duration, out, host, trace, realtime, seed, sets, bus, verbose
     host = host or setup.host
     name = setup.name if host == "native" else f"{setup.name}-{host}"
     folder = out or results("runs", setup.path) / name
-    _check_places(folder, trace)
     carry_out = partial(simulate, trace=trace, realtime=realtime, host=host, bus=bus)
     good = run_scenario(
         setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
@@ -254,17 +254,6 @@ def compile_(scenario, out, sets, host, cflags, libs) -> None:
     words = execute.cflags(modern=True) if cflags else []
     words += libraries.linked(path.absolute(), library_of(setup), cflags, libs)
     echo(" ".join(words))
-
-
-def _check_places(folder: Path, trace: Path | None) -> None:
-    from mmcs.folder import check_file, check_folder
-
-    for place in [folder] + ([trace.parent] if trace else []):
-        check_folder(place)
-    for name in ("report.json", "log.csv", "plot.svg"):
-        check_file(folder / name)
-    if trace:
-        check_file(trace)
 
 
 for _command in (campaign, compare, design, exec_, export, faults, lab, replay, serve, sweep,

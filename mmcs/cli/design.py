@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs design`: control synthesis on the command line (§2.5)."""
 
-import json
-
 import click
 
 from mmcs.errors import InputError
@@ -30,9 +28,8 @@ GAINS = "pass -p, -i and -d, or let --wn place the poles of a PD: not both"
 @click.option("--scale", type=int, help="b0; default: the smallest good power of two.")
 @click.option("--robot", default="puma560", show_default=True, help="Robot file of the motor.")
 @click.option("--axis", type=int, default=0, show_default=True, help="Axis of that robot.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("--toml", "as_toml", is_flag=True, help="Print what to paste into TOML files.")
-def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot, axis, as_json,
+def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot, axis,
            as_toml) -> None:  # fmt: skip
     """Make the compensator's integers from continuous gains, and show the margins."""
     from mmcs.scenario import synthesis as ds
@@ -63,8 +60,6 @@ def design(p, i, d, tau, kick, wn, zeta, method, prewarp, interval, scale, robot
         warnings.append("the closed loop is unstable with double-buffered D/As")
     if as_toml:
         echo(_toml(k, ic, robot, axis, interval))
-    elif as_json:
-        echo(json.dumps(_report(c, k, ic, m, step, method, interval, warnings), indent=2))
     else:
         _print(c, k, ic, m, step, method, interval)
         expected = [expected_step(k, motor, t)] if m.stable else []
@@ -87,26 +82,6 @@ def _controller(plant, p, i, d, tau, wn, zeta):
     if not (p or i or d):
         raise ds.DesignError("give gains with -p -i -d, or a bandwidth with --wn")
     return ds.Controller(p, i, d, tau or 0.0)
-
-
-def _report(c, k, ic, m, step, method, interval, warnings) -> dict:
-    return {
-        "form": c.form,
-        "method": method,
-        "interval_us": interval,
-        "gains": {"p": c.p, "i": c.i, "d": c.d, "tau": c.tau},
-        **k.named(),
-        "ic_pos": ic[0],
-        "ic_neg": ic[1],
-        "count_step": step,
-        "gain_error": k.gain_error,
-        "gain_margin_db": m.gain_db,
-        "phase_margin_deg": m.phase_deg,
-        "crossover_rad_s": m.crossover,
-        "sensitivity_peak": m.peak,
-        "stable": m.stable,
-        "warnings": warnings,
-    }
 
 
 def _toml(k, ic, robot: str, axis: int, interval: int) -> str:

@@ -44,9 +44,6 @@ def _machine(scenario: str, sets: tuple[str, ...] = ()):
     from mmcs.scenario.load import load
 
     setup = load(scenario, sets)
-    if bare := list(range(setup.axes, 2 * setup.scenario.cards)):
-        axes = f"axis {bare[0]} has" if len(bare) == 1 else f"axes {bare[0]} to {bare[-1]} have"
-        echo(f"mmcs: {scenario}: {axes} no motor, and will not move", err=True)
     return machine(setup), {"scenario": scenario, "machine": setup.about()}
 
 

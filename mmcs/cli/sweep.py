@@ -72,7 +72,7 @@ def sweep(scenario, grid, drawn, samples, seed, duration, sets, by, workers, das
     """
     from mmcs.sweeps.plan import make_plan
     from mmcs.sweeps.store import check_figure
-    from mmcs.sweeps.workers import cores, run_row
+    from mmcs.sweeps.workers import cores, failed, run_row
 
     check_workers(workers, dask)
     plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
@@ -80,24 +80,9 @@ def sweep(scenario, grid, drawn, samples, seed, duration, sets, by, workers, das
     check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
     with kept(folder, plan, first, resume, dask, "sweep") as (store, client):
-        tasks = _tasks(plan, store)
+        tasks = plan.tasks(store.rows, lambda n, why: store.add(n, failed(why)))
         whole = carry_out(store, len(plan), tasks, client, workers or cores(), run_row) is not None
     sys.exit(_finish(plan, store.rows, folder, by, whole))
-
-
-def _tasks(plan, store):
-    """What is not yet in the store; combinations that are no good together are rows at once."""
-    from mmcs.sweeps.workers import failed
-
-    for n in range(len(plan)):
-        if n in store.rows:
-            continue
-        try:
-            setup = plan.setup(plan.values(n))
-        except InputError as error:
-            store.add(n, failed(str(error)))
-            continue
-        yield (n,), setup
 
 
 def carry_out(store, total: int, tasks, client, workers: int, work, what: str = "runs",

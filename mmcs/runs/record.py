@@ -23,7 +23,6 @@ from mmcs.scenario.compiled import inline
 NAME = "run.mmcs"
 FORMAT = 1
 MAX_UNPACKED = 64 << 20  # bytes of files; four times what a scenario may have
-MAX_SAMPLES = 40_000_000  # an hour of the shortest interval
 FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv")
 POINT = struct.Struct("<qqQQ")  # samples, clock, hash of samples, hash of what left the machine
 MOST_POINTS = 32  # that are kept
@@ -132,7 +131,10 @@ def parse(path: Path, text: dict) -> Record:
         raise ValueError("scenario must be a name")
     files = _unpack_files(text["files"])
     _check_data(text["data"], files)
-    _check_figures(text)
+    if not 0 <= text["motion_start_s"] <= LONGEST_S:
+        raise ValueError("a time is wrong")
+    if len(_decode(text["checkpoints"])) % POINT.size:
+        raise ValueError("checkpoints are missing")
     return Record(path, text, files)
 
 
@@ -163,15 +165,6 @@ def _check_data(data: dict, files: dict[str, str]) -> None:
     named = [m.get("file") for m in motions if isinstance(m, dict) and "file" in m]
     if data.get("robot") != "./robot.toml" or not all(n in files for n in map(str, named)):
         raise ValueError("it names a file that it does not hold")
-
-
-def _check_figures(text: dict) -> None:
-    if not 0 <= text["motion_start_s"] <= LONGEST_S or not 0 < text["clk_hz"] <= 10**9:
-        raise ValueError("a time is wrong")
-    if not 0 <= text["samples"] <= MAX_SAMPLES:
-        raise ValueError("the number of samples is wrong")
-    if len(_decode(text["checkpoints"])) % POINT.size:
-        raise ValueError("checkpoints are missing")
 
 
 def _decode(text: str) -> bytes:

@@ -19,7 +19,6 @@ def run_scenario(
     setup: Setup,
     folder: Path,
     trace: Path | None = None,
-    realtime: bool = False,
     host: str = "native",
     started: float | None = None,
     carry_out=None,
@@ -28,10 +27,10 @@ def run_scenario(
 ) -> bool:
     """Runs, writes folder and prints the table; True when every expectation held.
 
-    carry_out: what makes a result of the setup, when not simulate(). stderr: prints there. verbose:
-    also what the model's cache did, and the time to the first motion.
+    carry_out: what makes a result of the setup, when not simulate(), on this host, with this trace.
+    stderr: prints there. verbose: also what the model's cache did, and the time to first motion.
     """
-    from mmcs.folder import check_folder, writing
+    from mmcs.folder import RESULTS, check_file, check_folder, writing
     from mmcs.runs import record as records
     from mmcs.runs import report as reports
     from mmcs.screen import console as screen
@@ -40,8 +39,10 @@ def run_scenario(
 
     for place in [folder] + ([trace.parent] if trace else []):
         check_folder(place)
+    for file in [folder / name for name in RESULTS] + ([trace] if trace else []):
+        check_file(file)
     with writing(folder) as stage:
-        result = carry_out(setup) if carry_out else simulate(setup, trace, realtime, host=host)
+        result = carry_out(setup) if carry_out else simulate(setup)
         report = reports.make_report(result, host)
         report["log_crc32"] = reports.write_log(result, stage)
         reports.write_report(report, stage)

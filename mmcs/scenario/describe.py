@@ -73,12 +73,6 @@ def cautions(setup: Setup) -> list[str]:
             f"{setup.axes} axes, so the driver will count overruns"
         )
     for axis, p in enumerate(setup.params):
-        limit = 2**31 // max(1, abs(p["a0"]) + abs(p["a1"]) + abs(p["a2"]))
-        if any(abs(s.get("to", 0)) > limit for s in setup.segments if s["axis"] == axis):
-            out.append(
-                f"axis {axis}: errors above {limit} counts would overflow a servo with 32-bit "
-                "sums (this one has 64)"
-            )
         if p["mode"] == "off" and any(s["axis"] == axis for s in setup.segments):
             out.append(f'axis {axis}: has motions but mode "off"')
         if p["ilim"] > 2047:

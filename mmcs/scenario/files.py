@@ -10,9 +10,6 @@ from mmcs.errors import InputError, suggest
 from mmcs.files import MAX_TOML, read_text, short
 
 MAX_FILES = 16 << 20  # of a scenario, together
-LONG_KEY = re.compile(
-    r"""(?<![\w"'.-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}"""
-)
 FAULTS = SCENARIOS / "faults" / "faults.toml"
 ENTRY = re.compile(r"^\[(\w+)\]$", re.M)
 # Seconds from the start of motion to a fault of the table, by the scenario that its entry extends.
@@ -95,8 +92,6 @@ def read_toml(path: Path, files: Files | None = None) -> dict:
 
 def parse_toml(text: str) -> dict:
     """As tomllib, which leaves open what no scenario needs: ValueError with a sentence for it."""
-    if LONG_KEY.search(text):  # for which tomllib takes a time that grows with its square
-        raise ValueError(f"nests deeper than {DEEPEST} levels")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError:

@@ -5,7 +5,6 @@ import bisect
 import math
 from collections import Counter
 from pathlib import Path
-from statistics import median
 
 from mmcs.folder import whole_file
 from mmcs.sweeps.classes import CLASSES, DANGEROUS, LATE, STEPS
@@ -99,12 +98,6 @@ def how_far(rows: list[dict]) -> list[str]:
         counts = Counter(bisect.bisect_left(STEPS, deg) for deg in far)
         cells = [per_million(counts[n], len(rows)) for n in range(len(names))]
         lines.append(f"| {name}, per million | {len(far):,} | {' | '.join(cells)} |")
-        speeds: list[list[float]] = [[] for _ in names]
-        for row in rows:
-            if row["class"] == name:
-                speeds[bisect.bisect_left(STEPS, row["deg"])].append(row["deg_s"])
-        cells = [f"{median(s):.0f}, {max(s):.0f}" if s else "" for s in speeds]
-        lines.append(f"| its speed out there, °/s: half below, all below | | {' | '.join(cells)} |")
     lines += ["", "*Per million* is a share of faults that were drawn as evenly as the tables say, "
               "not a rate: it does not tell how often a fault comes."]  # fmt: skip
     return lines

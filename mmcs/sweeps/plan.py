@@ -189,6 +189,19 @@ class Plan:
             set_key(data, key, copy.deepcopy(value), option)
         return make_setup(self.path, data, self._files)
 
+    def tasks(self, rows: dict[int, dict], fail) -> Iterator[tuple[tuple[int], object]]:
+        """((number,), setup) of what has no row yet; fail(number, why): the values are no good
+        together."""
+        for n in range(len(self)):
+            if n in rows:
+                continue
+            try:
+                setup = self.setup(self.values(n))
+            except InputError as error:
+                fail(n, str(error))
+                continue
+            yield (n,), setup
+
     def check(self) -> None:
         """Raises InputError for a value (or end of a range) that is good in no combination tried;
         of very many values, some are tried.

@@ -16,7 +16,7 @@ from mmcs.runs.machine import machine
 from mmcs.runs.session import Session, refusals, script_of
 from mmcs.scenario.scenario import Call
 from mmcs.scenario.setup import Setup
-from mmcs.sweeps.classes import NEAR, Seen
+from mmcs.sweeps.classes import Seen
 from mmcs.sweeps.faults import Fault
 
 LOOK_S = 1e-3  # between looks at the twin's physics and state
@@ -117,11 +117,20 @@ class Twin:
             if since <= OFTEN or look % (EVERY * STEP) == 0:
                 same = same or sim.future() == self.futures[look]
         detected, by = self._detected(sim.notes()[began:], fault.at, refusals(script))
-        told = self._statistics(before, sim.stats())
+        names, after = ("missed", "overruns", "spurious", "bus_errors"), sim.stats()
+        told = " ".join(name for name in names if after[name] != before[name])
         ended = sim.hash()  # now: what comes may be other runs on the same machine
         times, angles = np.array(times), np.array(angles).reshape(-1, len(self.axes))
-        more = {"by": by, "told": told, **({"hash": ended} if whole else {})}
-        return self._seen(fault.at, times, angles, (same, detected), more)
+        off = self._away(times, angles).max(axis=0, initial=0.0)
+        beyond = np.zeros(len(self.axes))
+        if detected is not None and off.any():
+            beyond = self._beyond(fault.at, angles).max(axis=0, initial=0.0)
+        worst = beyond if beyond.any() else off
+        far = np.degrees(beyond if detected is not None else off) / self.scale
+        more = {"by": by, "told": told, **({"hash": ended} if whole else {}),
+                "joint": 1 + int(worst.argmax()) if worst.any() else 0,
+                "deg": round(float(far.max()), 3)}  # fmt: skip
+        return Seen(same, detected, float(off.max()), float(beyond.max())), more
 
     def _begin(self, fault: Fault):
         """The look at which the faulty run begins, and its script."""
@@ -151,22 +160,6 @@ class Twin:
             still = still + STEP if np.array_equal(seen[-1], seen[-2]) else 0
         return np.array(seen), LOOK_S * still >= PROMISE_S
 
-    def _seen(self, at: float, times, angles, known: tuple, more: dict) -> tuple[Seen, dict]:
-        """known: whether all is the twin's again, and when it was told."""
-        _, detected = known
-        away = self._away(times, angles)
-        off = away.max(axis=0, initial=0.0)
-        beyond = np.zeros(len(self.axes))
-        if detected is not None:
-            away = self._beyond(at, angles) if off.any() else 0.0 * away
-            beyond = away.max(axis=0, initial=0.0)
-        worst = beyond if beyond.any() else off
-        far = np.degrees(beyond if detected is not None else off) / self.scale
-        more |= {"joint": 1 + int(worst.argmax()) if worst.any() else 0,
-                 "deg": round(float(far.max()), 3),
-                 "deg_s": self._speed(times, angles, away > NEAR)}  # fmt: skip
-        return Seen(*known, float(off.max()), float(beyond.max())), more
-
     def _add(self, event: dict) -> None:
         number, index = self.inputs[event["input"]], event.get("index", 0)
         self.sim.add_event(self.start + event["at"], number, index, event["value"])
@@ -174,7 +167,7 @@ class Twin:
             healthy = find(event["input"]).healthy
             self.sim.add_event(self.start + event["until"], number, index, healthy)
 
-    def _detected(self, notes: list[dict], at: float, refused=()) -> tuple[float | None, str]:
+    def _detected(self, notes: list[dict], at: float, refused: list) -> tuple[float | None, str]:
         """Seconds after the fault until the machine told by itself, and what it told."""
         known = mcdef.MERR_PLO | mcdef.MERR_PHI | mcdef.MERR_ILIM | mcdef.MERR_PANIC
         for note in notes:
@@ -189,23 +182,10 @@ class Twin:
             return self.sim.time - self.start - at, f"{refused[-1][0]} refused"
         return None, ""
 
-    def _statistics(self, before: dict, after: dict) -> str:
-        """What a program that looks at the driver's statistics could have seen."""
-        names = ("missed", "overruns", "spurious", "bus_errors")
-        return " ".join(name for name in names if after[name] != before[name])
-
     def _away(self, times: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """How far each joint was from the twin's, counts, at the very times."""
         own = [np.interp(times, self.times, self.angles[:, n]) for n in self.axes]
         return np.abs(angles - np.transpose(own))
-
-    def _speed(self, times: np.ndarray, angles: np.ndarray, out: np.ndarray) -> float:
-        """The greatest speed of a joint that is out of its place, degrees/s: with so much it would
-        meet what stands there."""
-        if len(times) < 2:
-            return 0.0
-        speeds = np.abs(np.diff(angles, axis=0)) / np.diff(times)[:, None] / self.scale
-        return round(float(np.degrees(np.where(out[1:], speeds, 0.0).max())), 1)
 
     def _beyond(self, at: float, angles: np.ndarray) -> np.ndarray:
         """How far each joint was beyond where it would have been: on its way, or in a stop pressed
