@@ -10,6 +10,7 @@ from click.testing import CliRunner
 from mmcs import ROOT
 from mmcs.cli.app import main
 from mmcs.device.sockets import socket_path
+from mmcs.runs.session import Session
 from mmcs.tests.device_bench import Bench, running
 
 GOOD = """
@@ -82,6 +83,25 @@ def scenario(tmp_path):
         return path
 
     return write
+
+
+class _Altered:
+    """A Sim with some answers of its own."""
+
+    def __init__(self, sim, answers):
+        self.__dict__ |= {"sim": sim} | answers
+
+    def __getattr__(self, name):
+        return getattr(self.sim, name)
+
+
+@pytest.fixture
+def answers(monkeypatch):
+    """What the machine of a run answers otherwise: functions by the names of Sim's."""
+    own, begin = {}, Session.__init__
+    altered = lambda self, sim, *a, **k: begin(self, _Altered(sim, own), *a, **k)  # noqa: E731
+    monkeypatch.setattr(Session, "__init__", altered)
+    return own
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from mmcs.tests.conftest import cluster, good, one_clear_line
 CARD, AXIS = "seu.g_card[1].u_card", "seu.g_card[1].u_card.g_axis[0].u_axis"
 SIZE = 100
 ROW = {"status": "ok", "class": MASKED, "motion": "m", "sort": "pin", "what": "w", "at": 0.1,
-       "lasts": True, "off": 0.0, "beyond": 0.0, "deg": 0.0, "deg_s": 0.0, "after_ms": None,
+       "lasts": True, "off": 0.0, "beyond": 0.0, "deg": 0.0, "after_ms": None,
        "by": "", "told": ""}  # fmt: skip
 
 
@@ -47,19 +47,16 @@ def one(plan, motion, event=None, call=None):
 # --- classes -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("seen", "name"),
-    [
-        (Seen(True, None, 0.0, 0.0), MASKED),
-        (Seen(True, None, NEAR, 0.0), MASKED),
-        (Seen(True, None, NEAR + 0.1, 0.0), DANGEROUS),  # back again, but it was away
-        (Seen(False, None, NEAR, 0.0), HARMLESS),
-        (Seen(False, None, NEAR + 0.1, 0.0), DANGEROUS),
-        (Seen(False, 0.0, 1e4, NEAR), SAFE),  # stopped on its way
-        (Seen(False, 0.0, 1e4, NEAR + 0.1), LATE),
-        (Seen(False, 0.2, 0.0, 0.0), SAFE),
-    ],
-)
+@pytest.mark.parametrize(("seen", "name"), [
+    (Seen(True, None, 0.0, 0.0), MASKED),
+    (Seen(True, None, NEAR, 0.0), MASKED),
+    (Seen(True, None, NEAR + 0.1, 0.0), DANGEROUS),  # back again, but it was away
+    (Seen(False, None, NEAR, 0.0), HARMLESS),
+    (Seen(False, None, NEAR + 0.1, 0.0), DANGEROUS),
+    (Seen(False, 0.0, 1e4, NEAR), SAFE),  # stopped on its way
+    (Seen(False, 0.0, 1e4, NEAR + 0.1), LATE),
+    (Seen(False, 0.2, 0.0, 0.0), SAFE),
+])  # fmt: skip
 def test_class_follows_from_what_was_seen(seen, name):
     assert judge(seen) == name
 
@@ -119,9 +116,6 @@ def test_small_campaign_finds_every_class(rows):
     far = [row["deg"] for row in rows if row["class"] in (LATE, DANGEROUS)]
     table = "\n".join(how_far(rows))
     assert min(far) > 0.01 and max(far) > 5 and f"| {DANGEROUS}, per million | " in table
-    speeds = [row["deg_s"] for row in rows if row["class"] in (LATE, DANGEROUS)]
-    assert min(speeds) > 0 and 20 < max(speeds) < 1000  # the fastest joint makes some 500
-    assert all(row["deg_s"] == 0 for row in rows if row["class"] in (MASKED, HARMLESS, SAFE))
     assert all(row["off"] <= NEAR for row in rows if row["class"] in (MASKED, HARMLESS))
 
 

@@ -136,17 +136,26 @@ def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     assert sorted(p.name for p in library.parent.iterdir()) == [library.name, f"{library.name}.sum"]
 
 
-@pytest.mark.slow
-def test_waveforms_that_find_no_room_are_told(tmp_path):
+@pytest.mark.parametrize(("words", "limit", "told", "left"), [
+    pytest.param("run short.toml --out o --trace x.fst", 4096,
+                 "aborted where waveforms are written: if the disk is full", "x.*",
+                 marks=pytest.mark.slow),
+    ("lab start 1 x", 500, "File too large\n", "x*/*"),
+    ("sweep short.toml --grid seed=1..3 --workers 1 --out out", 300,
+     "mmcs: out/rows.jsonl: File too large\n", "out/*.csv"),
+])  # fmt: skip
+def test_no_room_is_told_and_nothing_is_left_half(tmp_path, words, limit, told, left):
     """A limit on the size of files does what a full disk does."""
-    path = tmp_path / "short.toml"
-    path.write_text(GOOD)
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # noqa: E731
-    run = ("run", path, "--out", tmp_path / "o", "--trace", tmp_path / "x.fst")
-    assert command(*run)[0] == 0  # what has to be built is built
-    status, _, err = command(*run, preexec_fn=limit)  # noqa: PLW1509
-    assert status == 1 and b"aborted where waveforms are written: if the disk is full" in err
-    assert not list(tmp_path.glob("x.*"))  # nothing that is half
+    (tmp_path / "short.toml").write_text(GOOD)
+    full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))  # noqa: E731
+    run = [sys.executable, "-B", "-m", "mmcs", *words.split()]  # -B: no half bytecode
+    if "--trace" in words:
+        assert ran(*run, cwd=tmp_path).returncode == 0  # what has to be built is built
+        (tmp_path / "x.fst").unlink()
+    done = ran(*run, cwd=tmp_path, preexec_fn=full)
+    assert done.returncode in (1, 2) and told in done.stderr, done.stderr
+    assert "--trace" in words or done.stderr.count("\n") == 1
+    assert not [path for path in tmp_path.glob(left) if path.is_file()]
 
 
 ABORTS = """
@@ -167,25 +176,6 @@ def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
     (tmp_path / "short.toml").write_text(GOOD)
     done = ran(sys.executable, "-c", ABORTS, "short.toml", cwd=tmp_path)
     assert done.stdout.split() == ["0", "1", "1", "0"], done.stderr
-
-
-def test_a_file_that_finds_no_room_is_not_left_half(tmp_path):
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))  # noqa: E731
-    run = [sys.executable, "-B", "-m", "mmcs", "lab", "start", "1", "x"]  # -B: no half bytecode
-    done = ran(*run, cwd=tmp_path, preexec_fn=limit)
-    assert done.returncode in (1, 2) and "File too large" in done.stderr
-    assert done.stderr.startswith("mmcs: ") and done.stderr.count("\n") == 1
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
-
-
-def test_a_disk_that_gets_full_during_a_sweep(tmp_path):
-    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (300, 300))  # noqa: E731
-    (tmp_path / "short.toml").write_text(GOOD)
-    grid = ("--grid", "seed=1..3", "--workers", 1, "--out", tmp_path / "out")
-    run = [sys.executable, "-B", "-m", "mmcs", "sweep", tmp_path / "short.toml", *map(str, grid)]
-    done = ran(*run, preexec_fn=limit)
-    told = f"mmcs: {tmp_path}/out/rows.jsonl: File too large\n"
-    assert (done.returncode, done.stderr) == (1, told)
 
 
 def test_full_disk_is_told_as_such(tmp_path, monkeypatch):

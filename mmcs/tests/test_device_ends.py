@@ -5,12 +5,9 @@ import sys
 
 import pytest
 
-from mmcs.device import pace as pacing
-from mmcs.device.execute import cflags, serve_program
-from mmcs.device.pace import Pace
+from mmcs.device.execute import serve_program
 from mmcs.device.server import Server
-from mmcs.tests.device_bench import Bench, Clock, lockstep_server
-from tools.compiled import ran
+from mmcs.tests.device_bench import Bench, lockstep_server
 
 NO_SAMPLES = """
 import mmcs
@@ -32,27 +29,6 @@ def test_mwait_ends_when_no_sample_comes(tmp_path):
         command = ["sh", "-c", f'exec "$0" -c "$1" > {out}', sys.executable, NO_SAMPLES]
         assert (serve_program(server, command), out.read_text()) == (0, "5 True\n")
         assert 2.5 < sim.time < 2.8
-
-
-class Sim:
-    time = 0.0
-
-
-def test_lost_time_is_not_made_up(monkeypatch):
-    """The computer was away for a while: afterwards a second still takes a second."""
-    clock, sim = Clock(), Sim()
-    monkeypatch.setattr(pacing, "time", clock)
-    pace = Pace(sim, sim, 1.0)  # which has both
-    clock.now += 0.9
-    began, simulated = clock.now, 0.0
-    while clock.now < began + 1.0:
-        if pace.is_due():
-            sim.time += 0.002
-            simulated += 0.002
-            clock.now += 0.0005  # a chunk takes less than it lasts
-        else:
-            clock.now += 0.0005
-    assert simulated == pytest.approx(1.0, abs=0.03)
 
 
 @pytest.mark.parametrize("speed", [1000.0, None])
@@ -85,6 +61,7 @@ for call in (dev.stop, dev.stats, lambda: dev.write([1]), lambda: os.read(fd, 28
 """
 
 
+@pytest.mark.req("DRV-3")
 @pytest.mark.parametrize("again", [False, True])
 def test_a_dead_server_is_eio(bench, again):
     """Also when another one listens in its place."""
@@ -101,13 +78,3 @@ def test_a_dead_server_is_eio(bench, again):
     assert child.stdout.read().split() == ["True"] * 4
     if not again:
         bench.server = Server(bench.sim, bench.server.path, None)
-
-
-def test_flags_of_1989_and_of_today(tmp_path):
-    old, new = tmp_path / "old.c", tmp_path / "new.cpp"
-    old.write_text("extern int errno;\nmain() { errno = 3; return errno != 3; }\n")
-    new.write_text("#include <sys/mcdef.h>\nint main() { return MC_FSCALE != 1024; }\n")
-    for compiler, source, flags in (("gcc", old, cflags()), ("g++", new, cflags(modern=True))):
-        done = ran(compiler, *flags, source, "-o", tmp_path / "a.out")
-        assert (done.returncode, done.stderr) == (0, "")
-        assert ran(tmp_path / "a.out").returncode == 0

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/use/scenarios.md names every key and input, and its example is a good scenario."""
+"""docs/use/scenarios.md names every key and input, and its example is a good scenario; what README
+shows is what happens, and what it shows is small."""
 
 import json
 import re
@@ -14,6 +15,7 @@ from mmcs.scenario import scenario
 from mmcs.tests.conftest import good
 
 TEXT = (ROOT / "docs" / "use" / "scenarios.md").read_text()
+README = (ROOT / "README.md").read_text()
 SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])
 TABLES = ("motor", "servo", "motion", "event", "call", "process", "program", "expect")
 
@@ -127,3 +129,25 @@ def test_the_manual_page_names_every_command():
     told = set(re.findall(r"\w+", " ".join(re.findall(r"^\.It Cm (.*)$", page, re.M))))
     commands = set(main.list_commands(None))
     assert commands <= told, sorted(commands - told)
+
+
+def test_its_length_and_the_size_of_its_moving_picture():
+    assert len(README.splitlines()) <= 150
+    assert 10_000 < (ROOT / "docs/images/puma560.gif").stat().st_size <= 400_000
+    for word in ("DPI", "make cocotb", "ross-compile", "aveforms"):
+        assert word in README
+
+
+def test_every_box_of_the_loop_leads_somewhere():
+    picture = ROOT / "docs/images/loop.svg"
+    boxes = re.findall(r'<a href="([^"]+)">', picture.read_text())
+    assert len(boxes) == 10
+    assert [box for box in boxes if not (picture.parent / box).is_file()] == []
+
+
+@pytest.mark.slow
+def test_the_output_of_make_sim(mmcs, tmp_path):
+    [shown] = re.findall(r"^```text\n(.*?)^```", README, re.M | re.S)
+    said = good(mmcs("run", "puma560", "--out", tmp_path / "out"))
+    lines = [line for line in shown.splitlines() if line != "..." and "results in" not in line]
+    assert len(lines) > 3 and [line for line in lines if line not in said.splitlines()] == []

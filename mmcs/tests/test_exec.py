@@ -189,37 +189,6 @@ print("other", os.waitpid(other, 0)[1])
     assert (out, status) == ("signalled\nsignalled\nother 0\n", 0)
 
 
-@pytest.mark.req("DRV-2", "DRV-3")
-def test_bad_pointers_and_read_only(bench):
-    text = """
-import ctypes, errno, os
-from mmcs import ROOT, mcdef
-libc = ctypes.CDLL(None, use_errno=True)
-def call(name, *args):
-    result = getattr(libc, name)(*args)
-    print(name, result, errno.errorcode.get(ctypes.get_errno(), 0) if result < 0 else "")
-fd = os.open("/dev/mc0", os.O_RDWR)
-mon = os.open("/dev/mc0", os.O_RDONLY)
-bad = ctypes.c_void_p(0x1000)
-call("ioctl", fd, ctypes.c_ulong(mcdef.MGETPARAM), bad)
-call("ioctl", fd, ctypes.c_ulong(mcdef.MSETPARAM), None)
-call("read", fd, bad, 28)
-call("write", fd, bad, 4)
-call("ioctl", mon, ctypes.c_ulong(mcdef.MENABLE), None)
-call("write", mon, ctypes.create_string_buffer(4), 4)
-call("ioctl", fd, ctypes.c_ulong(0x5401), ctypes.create_string_buffer(64))
-call("read", fd, ctypes.create_string_buffer(27), 27)
-call("open", b"/dev/mc7", 2)
-call("open", b"/dev/null", 2)
-"""
-    out, status = bench.finish(bench.python(text))
-    assert status == 0, out
-    assert [line.split()[-1] for line in out.splitlines()[:-1]] == [
-        "EFAULT", "EFAULT", "EFAULT", "EFAULT", "EBADF", "EBADF", "ENOTTY", "EINVAL", "ENXIO",
-    ]  # fmt: skip
-    assert "-1" not in out.splitlines()[-1]
-
-
 @pytest.mark.req("DRV-2")
 def test_a_close_has_happened_when_it_returns(bench):
     child = bench.start(compile_program(PROGRAMS / "reopen.c"))

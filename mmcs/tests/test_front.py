@@ -157,6 +157,9 @@ def test_a_sweep_is_a_frame():
     frame = mmcs.sweep("lab500", grid={"axis.0.b0": [56, 64]}, random={"seed": "1..99"}, samples=2)
     assert len(frame) == 4 and set(frame["axis.0.b0"]) == {56, 64}
     assert frame["hash"].nunique() == 4 and (frame["status"] == "ok").all()
+    both = {"duration": [0.06, 0.12], "motion.0.at": [0.05, 0.1]}  # not all of them together
+    statuses = mmcs.sweep("lab500", "expect=[]", grid=both)["status"]
+    assert list(statuses) == ["ok", "failed", "ok", "ok"]
 
 
 @pytest.mark.parametrize("block", re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S))

@@ -71,8 +71,19 @@ def test_declarations_are_parsed_once_and_again_where_they_were_damaged(tmp_path
     assert make().sizeof("struct mc_param") == size
 
 
-@pytest.mark.parametrize("modern", [False, True])
-def test_a_program_may_include_it_as_the_driver_does(modern):
-    source = written("plain.c", "#include <mcdef.h>\nint axes = sizeof(struct mc_param);\n")
-    done = ran("cc", *cflags(modern), "-fsyntax-only", source)
+PROGRAMS = (
+    ("gcc", "old.c", False, "extern int errno;\nmain() { errno = 3; return errno != 3; }\n"),
+    ("g++", "new.cpp", True,
+     "#include <sys/mcdef.h>\nint main() { return MC_FSCALE != 1024; }\n"),
+    ("cc", "plain.c", False,
+     "#include <mcdef.h>\nint main(void) { return sizeof(struct mc_param) != 72; }\n"),
+    ("cc", "plain_modern.c", True,
+     "#include <mcdef.h>\nint main(void) { return sizeof(struct mc_param) != 72; }\n"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("compiler", "name", "modern", "text"), PROGRAMS)
+def test_flags_of_1989_and_of_today(tmp_path, compiler, name, modern, text):
+    done = ran(compiler, *cflags(modern), written(name, text), "-o", tmp_path / "a.out")
     assert (done.returncode, done.stderr) == (0, "")
+    assert ran(tmp_path / "a.out").returncode == 0

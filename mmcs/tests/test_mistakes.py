@@ -286,6 +286,12 @@ ROBOT_LINES = {
     'source.gear = "E book"': "must be a confidence A, B, C or D, a space, and a reference",
     'source.gear = "A book"': '[reference] has no "book"',
 }
+FLEXIBLE = ROBOT.replace("gear = 1.0", "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6")
+FLEXIBLE_LINES = {
+    "load_inertia = 0.0": "must be more than 0: what hangs on the flexible coupling",
+    "stiffness = 500.0": "must be at most 83.3, or 0 for rigid: steps are 50 us",
+    "damping = 1.0": "must be at most 0.00833: steps are 50 us",
+}
 LINK = "[[link]]\nalpha=0.0\na=0.0\nd=0.0\ntheta0=0.0\nmass=1.0\ninertia=[1,1,1,0,0,0]\ncom="
 ROBOTS = {
     "missing": (ROBOT.replace("km = 0.02", ""), "axis.0.km: is missing"),
@@ -314,7 +320,11 @@ ROBOTS = {
         'link = "2 links": an arm needs one [[link]] per [[axis]] (1)',
     ),
     "vector": (f"{ROBOT}{LINK}[0]", "link.0.com = [0]: must be a list of 3 numbers"),
+    "copies": (put(ROBOT, "copies = 33"), "axis.0.copies = 33: must be at most 32"),
     **{line: (put(ROBOT, line), f"axis.0.{line}: {why}") for line, why in ROBOT_LINES.items()},
+    **{
+        line: (put(FLEXIBLE, line), f"axis.0.{line}: {why}") for line, why in FLEXIBLE_LINES.items()
+    },
 }
 
 
@@ -406,6 +416,7 @@ TOLD = {
     "design -d 1e300 --kick 1": "--kick 1",
     "design --wn 0.1 --zeta 0.1": "friction alone damps more",
     "design -p 3.4 -d 0.01 --kick 0.04 --scale 4": "rounding moves it by more; take a larger",
+    "exec --scenario lab500 -- ./nothing": "no such program",
     "campaign --faults 0": "--faults = 0: must be 1 to 1000000",
     "campaign --sort pins": "must be one of register, line, pin, message, kill",
     "campaign arm_move arm_move": "is named twice",
@@ -462,13 +473,10 @@ def test_result_that_is_a_folder_is_told_before_the_run(mmcs, tmp_path, name, co
     one_clear_line(answer, start=f"{tmp_path}/{name}: is a folder, and the name of a result\n")
 
 
-@pytest.mark.parametrize(
-    ("report", "log", "expected"),
-    [
-        ("[]", "t_s\n1\n", "is not a run: its report.json is not one of MMCS"),
-        ('{"scenario": "x", "axes": [], "hash": "0x1"}', "", "is not a run: it has an empty log"),
-    ],
-)
+@pytest.mark.parametrize(("report", "log", "expected"), [
+    ("[]", "t_s\n1\n", "is not a run: its report.json is not one of MMCS"),
+    ('{"scenario": "x", "axes": [], "hash": "0x1"}', "", "is not a run: it has an empty log"),
+])  # fmt: skip
 def test_folder_that_is_not_a_run(mmcs, tmp_path, report, log, expected):
     (tmp_path / "report.json").write_text(report)
     (tmp_path / "log.csv").write_text(log)

@@ -33,21 +33,18 @@ def rows_of(folder):
         return list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
-        ("k=1,2,3", (1, 2, 3)),
-        ("k=[1,2],[3,4]", ([1, 2], [3, 4])),
-        ("k=off, position", ("off", "position")),
-        ("k=true", (True,)),
-        ("k=a/../b.csv,../c.csv", ("a/../b.csv", "../c.csv")),
-        ("k=-2..2", (-2, -1, 0, 1, 2)),
-        ("k=0.5..1.5:5", (0.5, 0.75, 1.0, 1.25, 1.5)),
-        ("k=10..20:3", (10, 15, 20)),
-        ("k=1..1000:log4", (1, 10, 100, 1000)),
-        ("k=1e-3..0.1:log3", (1e-3, 0.01, 0.1)),
-    ],
-)
+@pytest.mark.parametrize(("text", "values"), [
+    ("k=1,2,3", (1, 2, 3)),
+    ("k=[1,2],[3,4]", ([1, 2], [3, 4])),
+    ("k=off, position", ("off", "position")),
+    ("k=true", (True,)),
+    ("k=a/../b.csv,../c.csv", ("a/../b.csv", "../c.csv")),
+    ("k=-2..2", (-2, -1, 0, 1, 2)),
+    ("k=0.5..1.5:5", (0.5, 0.75, 1.0, 1.25, 1.5)),
+    ("k=10..20:3", (10, 15, 20)),
+    ("k=1..1000:log4", (1, 10, 100, 1000)),
+    ("k=1e-3..0.1:log3", (1e-3, 0.01, 0.1)),
+])  # fmt: skip
 def test_grid_values(text, values):
     found = parse_grid(text).values
     assert len(found) == len(values)

@@ -13,13 +13,12 @@ import pytest
 
 from mmcs import ROBOTS, ROOT
 from mmcs.engine.rows import Rows, blocks
+from mmcs.engine.sim import Sim
 from mmcs.errors import InputError
 from mmcs.folder import RESULTS, writing
-from mmcs.runs import runner
 from mmcs.runs.record import read_record
-from mmcs.runs.session import Session
 from mmcs.tests.conftest import GOOD, one_clear_line
-from mmcs.tests.fake import FakeSim
+from tools.compiled import ran
 
 
 def results(folder, generation, names=RESULTS):
@@ -104,6 +103,15 @@ def test_a_run_that_is_stopped_leaves_what_was_there(tmp_path, number):
     assert generations(tmp_path) == ({"old"}, len(RESULTS)) and not (tmp_path / ".new").exists()
 
 
+def test_a_stop_within_an_exec_of_a_text_has_its_own_status(tmp_path):
+    """As in the import of a module with dataclasses: Python itself would end by SIGINT."""
+    text = "from mmcs.cli.app import main; from mmcs.scenario import files\n"
+    text += "files.named = lambda: exec('raise KeyboardInterrupt(15)'); main(['list'])"
+    (tmp_path / "stopped.py").write_text(text)
+    done = ran(sys.executable, "-m", "stopped", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (143, "mmcs: stopped\n")
+
+
 def test_results_are_on_the_disk_before_their_names(tmp_path, monkeypatch):
     steps, replace = [], os.replace
     name = lambda fd: Path(os.readlink(f"/proc/self/fd/{fd}")).name  # noqa: E731
@@ -125,26 +133,16 @@ def test_one_run_at_a_time(tmp_path):
 
 
 @pytest.fixture
-def run(mmcs, scenario, tmp_path, monkeypatch):
-    """Runs a scenario on the fake machine, into tmp_path/out."""
-
-    def call(text, sim=FakeSim, lost=0, **options):
-        def simulate(setup, trace=None, realtime=False, host="native", **_):
-            fake = sim(setup.axes, **options)
-            fake.lost = lost
-            return Session(fake, setup, realtime).run()
-
-        monkeypatch.setattr(runner, "simulate", simulate)
-        return mmcs("run", scenario(text), "--out", tmp_path / "out")
-
-    return call
+def run(mmcs, scenario, tmp_path):
+    """Runs a scenario into tmp_path/out."""
+    return lambda text: mmcs("run", scenario(text), "--out", tmp_path / "out")
 
 
 def test_log_of_another_run_is_refused(mmcs, run, scenario, tmp_path):
     assert run(GOOD)[0] == 0
     log = tmp_path / "out" / "log.csv"
     text = log.read_text()
-    log.write_text(text.replace("0.002000,", "0.002001,", 1))
+    log.write_text(text.replace(",200,", ",201,", 1))
     answer = mmcs("compare", tmp_path / "out", tmp_path / "out")
     one_clear_line(answer, "damaged, or of another run than its report.json")
     log.write_text(text)
@@ -152,27 +150,31 @@ def test_log_of_another_run_is_refused(mmcs, run, scenario, tmp_path):
 
 
 @pytest.mark.parametrize("seen", [True, False])
-def test_what_cannot_be_decided_is_not_met(run, tmp_path, seen):
+def test_what_cannot_be_decided_is_not_met(run, answers, seen):
     """Events beyond those that are kept may have been panics or not."""
     expect = f'[[expect]]\nkind = "event"\nevent = "panic"\nseen = {str(seen).lower()}\n'
-    notes = [{"t": 0.1, "kind": "fault", "axis": 0, "text": "x"}]
-    status, out, _ = run(GOOD + expect, notes=notes, lost=7)
+    answers["notes"] = lambda: [{"t": 0.1, "kind": "fault", "axis": 0, "text": "x"}]
+    answers["notes_lost"] = lambda: 7
+    status, out, _ = run(GOOD + expect)
     assert status == 1
     assert "cannot be decided, only the first 1 of 8 events are kept, up to 0.100 s" in out
     assert "7 further events are not kept" in out
-    status, out, _ = run(GOOD + expect, notes=notes, lost=0)
+    answers["notes_lost"] = lambda: 0
+    status, out, _ = run(GOOD + expect)
     assert (status == 0) is (not seen) and "not kept" not in out
 
 
-def test_text_that_was_cut_decides_nothing(run):
+def test_text_that_was_cut_decides_nothing(run, answers):
     expect = '[[expect]]\nkind = "event"\nevent = "log"\ntext = "needle"\nseen = false\n'
     note = {"t": 0.1, "kind": "log", "axis": -1, "text": "x" * 98}
-    assert run(GOOD + expect, notes=[note])[0] == 0
-    status, out, _ = run(GOOD + expect, notes=[note | {"text": "x" * 99}])
+    answers["notes"] = lambda: [note]
+    assert run(GOOD + expect)[0] == 0
+    note["text"] += "x"
+    status, out, _ = run(GOOD + expect)
     assert status == 1 and "an event's text is cut after 99 characters" in out
 
 
-def test_record_is_of_what_was_loaded(run, tmp_path):
+def test_record_is_of_what_was_loaded(run, tmp_path, monkeypatch):
     """Robot and table are edited, or gone, while the run goes on."""
     robot, table = tmp_path / "mine.toml", tmp_path / "t.csv"
     before = (ROBOTS / "lab500.toml").read_text()
@@ -182,15 +184,15 @@ def test_record_is_of_what_was_loaded(run, tmp_path):
         '[[motion]]\naxis = 0\nkind = "table"\nat = 0.2\nduration = 0.1\nfile = "t.csv"\n'
     )
 
+    genuine = Sim.new_script
+
     def edit(self, *given):
         robot.write_text("rubbish")
         table.unlink()
-        return FakeSim.new_script(self, *given)
+        return genuine(self, *given)
 
-    class Editing(FakeSim):
-        new_script = edit
-
-    assert run(text, sim=Editing)[0] == 0
+    monkeypatch.setattr(Sim, "new_script", edit)
+    assert run(text)[0] == 0
     record = read_record(str(tmp_path / "out"))
     assert record.files == {"robot.toml": before, "table1.csv": "0\n10\n"}
     again = tmp_path / "again"
@@ -201,21 +203,23 @@ def test_record_is_of_what_was_loaded(run, tmp_path):
 # --- out of memory -----------------------------------------------------------------------------
 
 
-class FullAt(FakeSim):
-    """A machine for which there is no memory any more, in Python or in the engine."""
+@pytest.mark.parametrize(("engine", "why"), [(False, "out of memory"), (True, "no room")])
+def test_results_until_memory_was_full(run, tmp_path, monkeypatch, engine, why):
+    """In Python or in the engine."""
+    genuine = Sim.play
 
-    def run(self, until_s):
-        if self.now > 0.15:
-            if self.short:
-                self._notes.append({"t": self.now, "kind": "log", "axis": -1, "text": "no room"})
-                return False
+    def play(sim, script, until):
+        if until < 0.15:
+            return genuine(sim, script, until)
+        if not engine:
             raise MemoryError
-        return super().run(until_s)
+        return 1, ""
 
-
-@pytest.mark.parametrize(("engine", "why"), [(0.0, "out of memory"), (1.0, "no room")])
-def test_results_until_memory_was_full(run, tmp_path, engine, why):
-    status, out, err = run(GOOD, sim=FullAt, short=engine)
+    monkeypatch.setattr(Sim, "play", play)
+    if engine:
+        note = {"t": 0.15, "kind": "log", "axis": -1, "text": "no room"}
+        monkeypatch.setattr(Sim, "notes", lambda _: [note])
+    status, out, err = run(GOOD)
     assert status == 1 and "Traceback" not in err
     assert f"the run goes to its end: {why} at 0.1" in out
     rows = (tmp_path / "out" / "log.csv").read_text().splitlines()

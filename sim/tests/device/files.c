@@ -71,6 +71,20 @@ static void bad_pointers(int fd) {
   EXPECT(readv(fd, in, 1) < 0 && errno == EINVAL);
   EXPECT(stat("/dev/mc0", BAD) < 0 && errno == EFAULT);
   EXPECT(statx(AT_FDCWD, "/dev/mc0", 0, STATX_TYPE, BAD) < 0 && errno == EFAULT);
+  EXPECT(read(fd, BAD, sizeof(a)) < 0 && errno == EFAULT);
+  EXPECT(write(fd, BAD, 4) < 0 && errno == EFAULT);
+  EXPECT(ioctl(fd, MGETPARAM, BAD) < 0 && errno == EFAULT);
+  EXPECT(ioctl(fd, MSETPARAM, NULL) < 0 && errno == EFAULT);
+  EXPECT(ioctl(fd, TCGETS, &a) < 0 && errno == ENOTTY);
+  EXPECT(read(fd, &a, sizeof(a) - 1) < 0 && errno == EINVAL);
+}
+
+static void read_only(void) {
+  int fd = open("/dev/mc0", O_RDONLY), one = 30;
+  EXPECT(ioctl(fd, MENABLE, NULL) < 0 && errno == EBADF);
+  EXPECT(write(fd, &one, 4) < 0 && errno == EBADF);
+  EXPECT(open("/dev/mc7", O_RDWR) < 0 && errno == ENXIO);
+  close(fd);
 }
 
 static void streams(void) {
@@ -136,6 +150,7 @@ int main(void) {
   fd = open("/dev/mc0", O_RDWR);
   vectors(fd);
   bad_pointers(fd);
+  read_only();
   streams();
   flags();
   window();
