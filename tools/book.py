@@ -7,6 +7,7 @@ names are pages of the book as well, and a mark like <!-- live: panic --> become
 """
 
 import argparse
+import inspect
 import os
 import re
 import shutil
@@ -15,12 +16,15 @@ import sys
 import tomllib
 from pathlib import Path
 
+import mmcs
 from mmcs import BUILD, ROOT
 from tools.pages import aged, told_age
 
 DOCS = ROOT / "docs"
 STAGE = BUILD / "book"
 BOOK = BUILD / "docs"
+API = "api.md"
+LONG = 3000  # words: a page above is named
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LIVE = re.compile(r"<!-- live: (\w+) -->")
 LANGUAGES = {".sv": "systemverilog", ".svh": "systemverilog", ".py": "python", ".c": "c", ".h": "c",
@@ -79,9 +83,44 @@ def main() -> None:
         done |= todo
     address = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mmcs"]["repository"]
     link = f"repo_url: {address}\n" if address else ""
+    write_api(source / API)
     (STAGE / "mkdocs.yml").write_text(link + CONFIG + nav())
     build()
+    print(f"docs: {words(source)}")
     print(f"docs: {told_age()}")
+
+
+def write_api(page: Path) -> None:
+    """The public names of mmcs with their docstrings."""
+    lines = ["# Python API", "", "Made from the docstrings of the names that `mmcs` exports."]
+    for name in mmcs.__all__:
+        thing = getattr(mmcs, name)
+        if not callable(thing):
+            continue
+        lines += ["", f"## {name}", ""]
+        if inspect.isclass(thing) and issubclass(thing, Exception):
+            lines.append(inspect.getdoc(thing))
+            continue
+        methods = vars(thing).items() if inspect.isclass(thing) else ()
+        public = [(n, m) for n, m in methods if n[0] != "_" and callable(m)]
+        for called, what in [(f"mmcs.{name}", thing), *public]:
+            about = inspect.getdoc(what) or ""
+            lines += ["~~~python", f"{called}{inspect.signature(what)}", "~~~", "", about, ""]
+    page.write_text("\n".join(lines) + "\n")
+
+
+def words(source: Path) -> str:
+    """How much there is to read: chapters and the READMEs, sheets and lists that they include."""
+    counts = {}
+    for page in source.rglob("*.md"):
+        name = str(page.relative_to(source))
+        text = page.read_text()
+        if name != API and "\n~~~~~~" not in text:  # a file of the sources as it is
+            text = re.sub(r"<!--.*?-->|\]\([^)]*\)|<[^>]+>", " ", text, flags=re.S)
+            counts[name] = len([word for word in text.split() if re.search(r"\w", word)])
+    long = sorted((n, name) for name, n in counts.items() if n > LONG)
+    told = "".join(f"; {name} has {n:,}" for n, name in reversed(long))
+    return f"{sum(counts.values()):,} words in {len(counts)} pages{told}"
 
 
 def chapter(text: str, original: Path, wanted: set[Path]) -> str:
@@ -147,11 +186,11 @@ def nav() -> str:
             part = line[3:]
             lines.append(f"  - {part}:")
         for text, target in re.findall(r"\[([^\]]+)\]\(([^)#\s]+)\)", line):
-            if target in seen or not line.startswith("|") and part:
+            if target in seen or part is None or not line.startswith("|"):
                 continue
             path = DOCS / target
             seen.add(target)
-            inside = "      " if part else "  "
+            inside = "      "
             if path.name == "README.md" and path.parent != DOCS:
                 pages = re.findall(r"\]\(([^)#\s]+\.md)\)", path.read_text())
                 lines.append(f"{inside}- {text}:")
@@ -161,6 +200,7 @@ def nav() -> str:
                 lines.append(f"{inside}- {text}: {target}")
     lines += [
         "  - More:",
+        f"      - Python API: {API}",
         "      - contributing: source/CONTRIBUTING.md",
         "      - changes: source/CHANGELOG.md",
     ]

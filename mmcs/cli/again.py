@@ -52,10 +52,11 @@ def trace(
     """
     from mmcs.folder import check_file
     from mmcs.runs import replay as replays
-    from mmcs.view.waves import open_viewer, write_views
+    from mmcs.view.waves import check_packages, open_viewer, write_views
 
     if out is not None and out.suffix != ".fst":
         raise InputError.one("--out", "", str(out), "must be a file name ending in .fst")
+    check_packages()
     replays.check_window(window)
     record, good = _made(run)
     from_s, to_s = replays.stretch(record, at, window, whole)

@@ -32,7 +32,8 @@ def library_path(
         return BUILD / "sim" / "dpi" / "libmmcs_dpi.so"
     clk = "" if clk_hz == CLK_HZ else f"_clk{clk_hz}"
     beat = "" if heartbeat_us == HEARTBEAT_US else f"_beat{heartbeat_us}"
-    return BUILD / "sim" / f"{kind}_c{cards}{beat}{clk}" / "libmmcs_sim.so"
+    debug = "_debug" if os.environ.get("MMCS_DEBUG") else ""  # firmware compiled with -Og -g
+    return BUILD / "sim" / f"{kind}_c{cards}{beat}{clk}{debug}" / "libmmcs_sim.so"
 
 
 def ensure_library(

@@ -12,6 +12,7 @@ import pytest
 
 from mmcs import BUILD, ROOT, SCENARIOS, place
 from mmcs.place import results
+from mmcs.tests.conftest import one_clear_line
 from tools.compiled import ran
 
 READ_ONLY = """
@@ -144,12 +145,24 @@ def test_the_command_that_installs_an_extra_is_true_where_it_is_told(monkeypatch
     assert "machine68k==" in place.installs("hosts") and "mmcs" not in place.installs("dask")
 
 
-@pytest.mark.parametrize("command", [("tool", "lab500"), ("export", "mcap", "none")])
-def test_a_command_without_its_packages_is_one_line(mmcs, monkeypatch, command):
-    monkeypatch.setattr(import_module("mmcs.cli.tool"), "find_spec", lambda name: None)
+@pytest.mark.parametrize("command, extra", [
+    ("tool lab500", "tool"), ("export mcap none", "tool"),
+    ("trace none", "waves"), ("export film none", "film"),
+])  # fmt: skip
+def test_a_command_without_its_packages_is_one_line(mmcs, monkeypatch, command, extra):
+    for module in ("mmcs.cli.tool", "mmcs.cli.export", "mmcs.view.waves"):
+        monkeypatch.setattr(import_module(module), "find_spec", lambda name: None)
     monkeypatch.setitem(sys.modules, "mmcs.view.mcap_file", None)
-    status, out, err = mmcs(*command)
-    assert status == 2 and err.count("\n") == 1 and "make .venv/.tool" in err and out == ""
+    one_clear_line(mmcs(*command.split()), f"make .venv/.{extra}")
+
+
+def test_no_command_but_those_needs_a_plotting_library():
+    """plot.svg and the comparison are drawn by mmcs.view.chart."""
+    modules = "mmcs.view.plot, mmcs.view.compare, mmcs.front, mmcs.cli.app"
+    program = (
+        f"import sys, {modules}; print({{'matplotlib', 'PIL', 'pywellen'}} & {{*sys.modules}})"
+    )
+    assert ran(sys.executable, "-c", program, check=True).stdout == "set()\n"
 
 
 def test_nobody_is_told_to_fetch_mmcs_from_an_index():

@@ -61,7 +61,7 @@ def test_rows_have_the_name_of_their_block():
 
 @pytest.mark.parametrize("us, names", [
     ((0, 80, 200, 800), waves.MARKERS), ((0, 80, 91, 200), waves.SHORT),
-    ((0, 80, 81, 200), waves.LETTERS),
+    ((0, 80, 81, 200), waves.LETTERS[:4]),
 ])  # fmt: skip
 def test_no_name_of_a_marker_is_drawn_over_another(us, names):
     seen = Pass(*(1_000_000 * t for t in us))
@@ -195,4 +195,20 @@ def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
     at = first_missed(wave, waves.MACHINE)
     assert at is not None
     gtkw, _ = waves.write_views(wave)
-    assert f" {at} -1" in gtkw.read_text() and "[markername] Emissed\n" in gtkw.read_text()
+    text = gtkw.read_text()
+    assert f" {at} -1" in text and "[markername] Emissed\n" in text
+    assert "\n-A SCLOCK, B acknowledge, C first read, D last D/A write, E missed, F PANIC\n" in text
+    assert 0 < at - opens_at(text) < 2_000_000_000
+
+
+def opens_at(view: str) -> int:
+    return int(re.search(r"^\[timestart\] (\d+)$", view, re.M)[1])
+
+
+def test_the_view_opens_on_a_panic():
+    """Of a pass of 0.2 ms, and a PANIC 2 ms behind it."""
+    view = waves._gtkwave(Path("x.fst"), Path("x"), Pass(0, 80, 91, 200_000_000), (None, 2 * 10**9))
+    zoom = float(re.search(r"^\*(-[\d.]+)", view, re.M)[1])
+    wide = waves.PIXELS * 2**-zoom / waves.FRAME
+    assert opens_at(view) < 2 * 10**9 < opens_at(view) + wide
+    assert "[markername] FPANIC" in view and "[markername] E" not in view

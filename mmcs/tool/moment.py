@@ -73,8 +73,9 @@ def trace(socket: Path, t: float, ms: float) -> dict:
     """A trace and its view; opened in gtkwave where there is a display."""
     from mmcs.runs.machine import machine
     from mmcs.view.moments import LEAST_MS
-    from mmcs.view.waves import start_viewer, write_views
+    from mmcs.view.waves import check_packages, start_viewer, write_views
 
+    check_packages()
     moment = find(socket, t, ms)
     if 1000 * (moment.to_s - moment.from_s) < LEAST_MS:
         raise ValueError(

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When what happens in a trace: the first whole servo pass, from SCLOCK to the last D/A write, and
-the first SCLOCK that was missed."""
+"""When what happens in a trace: the first whole servo pass, from SCLOCK to the last D/A write,
+the first SCLOCK that was missed, and the first PANIC."""
 
 from bisect import bisect
 from pathlib import Path
@@ -42,6 +42,12 @@ def first_missed(trace: Path, machine: str) -> int | None:
         if before and latch[before - 1][1]:
             return clock
     return None
+
+
+def first_panic(trace: Path, machine: str) -> int | None:
+    """The first rise of PANIC in the trace; None: there is none."""
+    rises = _edges(_nets(trace, machine)("u_adaptor.panic_o"), 1)
+    return next(iter(rises), None)
 
 
 def first_pass(trace: Path, machine: str) -> Pass | None:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A prepared view of a trace, for GTKWave (.gtkw) and Surfer (.sucl), beside the trace.
 
-It opens on one servo pass, with markers at its SCLOCK, acknowledge, first read and last D/A write,
-and at the first SCLOCK that was missed: its edge found the latch of the one before still set.
+It opens on the first PANIC, else on the first SCLOCK that was missed (its edge found the latch of
+the one before still set), else on one servo pass. Markers, explained in the first row, are at
+these, and at SCLOCK, acknowledge, first read and last D/A write of the pass.
 States, registers and parts of the pass have names, counts and D/As are drawn as curves. GTKWave's
 view is checked on its screen; Surfer's was never tried.
 """
@@ -11,13 +12,16 @@ import math
 import os
 import shutil
 import subprocess
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from mmcs.errors import InputError
 from mmcs.folder import whole_file
+from mmcs.place import installs
 from mmcs.screen import echo
-from mmcs.view.moments import Pass, first_missed, first_pass
+from mmcs.view.moments import Pass, first_missed, first_panic, first_pass
 from mmcs.view.names import write_tables
 
 MACHINE = "TOP.mmcs"
@@ -30,9 +34,10 @@ NAMED, CURVE, ROOM = 0x2000, 0x8000, "20000"  # a table of names; drawn in steps
 CURVE_LINES = 3
 PIXELS, FRAME = 900, 200  # across which the servo pass is spread; GTKWave's zoom counts frames
 MARKERS = ("SCLOCK", "acknowledge", "first read", "last D/A write")
-MISSED = "Emissed"  # the letter of the fifth marker, and its name
-ALONE_PS = 1_000_000_000  # shown from a missed SCLOCK on, in a trace without a whole pass
-SHORT, LETTERS = ("SCLOCK", "ack", "read", "write"), tuple("ABCD")  # where names have less room
+EVENTS = ("missed", "PANIC")  # the names of the markers behind those
+ALONE_PS = 1_000_000_000  # shown around an event, in a trace without a whole pass
+SHORT, LETTERS = ("SCLOCK", "ack", "read", "write"), tuple("ABCDEF")  # where names have less room
+LEGEND = ", ".join(" ".join(pair) for pair in zip(LETTERS, MARKERS + EVENTS, strict=True))
 NAME_PIXELS = 6  # of a letter of a marker's name
 
 
@@ -147,14 +152,21 @@ GROUPS = {
 }
 
 
+def check_packages() -> None:
+    """Raises InputError where the package that reads a trace is not installed."""
+    if find_spec("pywellen") is None:
+        raise InputError.one("waveforms", "", None, f"needs its packages: {installs('waves')}")
+
+
 def write_views(trace: Path) -> tuple[Path, Path]:
     """Writes the two view files beside the trace, and the tables of names."""
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     names = trace.resolve().with_suffix(".names")
     write_tables(names)
-    seen, missed = first_pass(trace, MACHINE), first_missed(trace, MACHINE)
+    seen = first_pass(trace, MACHINE)
+    events = (first_missed(trace, MACHINE), first_panic(trace, MACHINE))
     for path, text in (
-        (gtkw, _gtkwave(trace, names, seen, missed)),
+        (gtkw, _gtkwave(trace, names, seen, events)),
         (sucl, _surfer(seen)),
     ):
         with whole_file(path) as part:
@@ -162,18 +174,24 @@ def write_views(trace: Path) -> tuple[Path, Path]:
     return gtkw, sucl
 
 
-def _gtkwave(trace: Path, names: Path, seen: Pass | None, missed: int | None) -> str:
+def _gtkwave(trace: Path, names: Path, seen: Pass | None, events: tuple) -> str:
+    """events: when each of EVENTS came, or None."""
     lines, tables = [f'[dumpfile] "{trace.resolve()}"'], {}
-    if seen or missed is not None:
-        begin, end = (seen.sclock, seen.last_write) if seen else (missed, missed + ALONE_PS)
-        zoom = -math.log2((end - begin) * 1.15 / PIXELS * FRAME)
-        times = [*(seen or [-1] * len(MARKERS)), -1 if missed is None else missed]
+    came = [at for at in events if at is not None]
+    if seen or came:
+        wide = seen.last_write - seen.sclock if seen else ALONE_PS
+        zoom = -math.log2(wide * 1.15 / PIXELS * FRAME)
+        begin = came[-1] - wide // 2 if came else seen.sclock - wide // 20
+        times = [*(seen or [-1] * len(MARKERS)), *(-1 if at is None else at for at in events)]
         times += [-1] * (26 - len(times))
-        begin = max(0, begin - (end - begin) // 20)
-        lines += [f"[timestart] {begin}", f"*{zoom:.6f} -1 {' '.join(map(str, times))}"]
-        letters = zip(LETTERS, marker_names(seen) if seen else (), strict=False)
-        lines += [f"[markername] {letter}{name}" for letter, name in letters]
-        lines += [f"[markername] {MISSED}"]
+        lines += [f"[timestart] {max(0, begin)}", f"*{zoom:.6f} -1 {' '.join(map(str, times))}"]
+        named = (*(marker_names(seen) if seen else MARKERS), *EVENTS)
+        lines += [
+            f"[markername] {letter}{name}"
+            for letter, name, at in zip(LETTERS, named, times, strict=False)
+            if at >= 0
+        ]
+        lines += ["@200", f"-{LEGEND}"]
     lines += ["[sst_expanded] 1"]
     for name, signals in GROUPS.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]
@@ -190,7 +208,7 @@ def marker_names(seen: Pass) -> tuple[str, ...]:
         ends = pairwise(zip(seen, names, strict=True))
         if all((b - a) / a_pixel > NAME_PIXELS * (len(x) + len(y)) / 2 for (a, x), (b, y) in ends):
             return names
-    return LETTERS
+    return LETTERS[: len(MARKERS)]
 
 
 def _surfer(seen: Pass | None) -> str:

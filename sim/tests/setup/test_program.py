@@ -2,6 +2,7 @@
 """C programs that hold their own machine: output of `mmcs exec --lockstep`, a breakpoint in the
 servo, and what is for the server."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -17,9 +18,21 @@ OLD = ["-std=gnu89", "-w"]  # of a program of 1989
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory):
+    return programs(tmp_path_factory)
+
+
+@pytest.fixture(scope="module")
+def debugged(tmp_path_factory):
+    """The same with firmware of MMCS_DEBUG=1."""
+    return programs(tmp_path_factory, MMCS_DEBUG="1")
+
+
+def programs(tmp_path_factory, **env):
+    """A function that compiles an example together with the machine of lab500."""
     folder = tmp_path_factory.mktemp("programs")
     words = [sys.executable, "-m", "mmcs", "compile", "lab500", "-o", folder / "own.bin"]
-    flags = ran(*words, "--cflags", "--libs", check=True).stdout.split()
+    flags = ran(*words, "--cflags", "--libs", check=True,
+                env={**os.environ, **env}).stdout.split()  # fmt: skip
 
     def build(name: str, *more: str):
         source, made = EXAMPLES / f"{name}.c", folder / name
@@ -56,8 +69,10 @@ def test_what_is_for_the_server_says_so(program, name):
 
 
 @pytest.mark.skipif(not shutil.which("gdb"), reason="gdb is missing: sudo apt-get install gdb")
-def test_a_debugger_stops_in_the_servo(program):
+def test_a_debugger_stops_in_the_servo(debugged):
+    """On a line of the source, with the values of its variables."""
     words = ["-batch", "-ex", "set breakpoint pending on", "-ex", "break servo_step", "-ex", "run",
-             "-ex", "backtrace"]  # fmt: skip
-    told = ran("gdb", *words, program("sine")).stdout
-    assert "servo_step" in told.rpartition("Breakpoint 1,")[2] and "in main" in told
+             "-ex", "backtrace", "-ex", "info args"]  # fmt: skip
+    told = ran("gdb", *words, debugged("sine")).stdout.rpartition("Breakpoint 1,")[2]
+    assert "servo_step (" in told and "at firmware/mc/servo.c:" in told and "in main" in told
+    assert "setpoint = 0" in told
