@@ -123,7 +123,9 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> tuple[str |
             machine(setup, "trace", host=host) as traced,
             progress(setup.scenario.duration) as advance,
         ):
-            sim = Changing(quick, traced, path, (from_s, to_s), record.motion_start_s)
+            # programs stay with one machine
+            start = math.inf if setup.scenario.program else record.motion_start_s
+            sim = Changing(quick, traced, path, (from_s, to_s), start)
             result = session_of(sim, setup).run(advance)
     other = _other_build(record, result)
     if result.assertion:

@@ -127,7 +127,7 @@ def test_exec_refuses_to_set_what_the_program_sets(folder):
     one_clear_line(call(*words), "axis.0.b0=3", "is the program's own job")
 
 
-def test_the_duration_ends_who_goes_on(folder):
+def test_the_duration_ends_who_goes_on_and_its_run_is_traced(folder):
     (folder / "long.toml").write_text("""
 extends = "device.toml"
 duration = 0.05
@@ -141,6 +141,10 @@ run = "sleep 100"
     result = simulate(load(str(folder / "long.toml")))
     assert result.processes == [{"kind": "program", "run": "sleep 100", "status": 137}]
     assert result.simulated_s == pytest.approx(0.05, abs=1e-6)
+    good(call("run", folder / "long.toml", "--out", folder / "out"))
+    wave = folder / "w.fst"
+    said = good(call("trace", folder / "out", "--at", 0.02, "--window", 1, "--out", wave))
+    assert "the same hash" in said and wave.stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("text, why", [
