@@ -16,6 +16,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -88,6 +89,19 @@ static inline int motion_setpoint(struct motion *m, int axis, const struct motio
   return (int)floor(m->zero[axis] + x->counts * p->position[axis] + e + 0.5);
 }
 
+/* -1, and why. */
+static inline int motion_refuse(int why) {
+  errno = why;
+  return -1;
+}
+
+/* Ends the program if a call has failed, and says which. */
+static inline void motion_check(int result, const char *what) {
+  if (result >= 0) return;
+  perror(what);
+  exit(1);
+}
+
 /* --- the device ------------------------------------------------------------------------ */
 
 /* The next servo sample. */
@@ -150,10 +164,7 @@ static inline int motion_close(struct motion *m) {
 /* One joint goes to a position at once; the others keep their setpoints. */
 static inline int motion_set(struct motion *m, int axis, double position) {
   struct mmcs_setpoint one = {axis, 0};
-  if (axis < 0 || axis >= m->axes || !isfinite(position)) {
-    errno = EINVAL;
-    return -1;
-  }
+  if (axis < 0 || axis >= m->axes || !isfinite(position)) return motion_refuse(EINVAL);
   m->rest.position[axis] = position;
   m->rest.velocity[axis] = m->rest.acceleration[axis] = m->rest.current[axis] = 0;
   m->drive[axis] = m->ahead[axis] = 0;
@@ -172,22 +183,15 @@ static inline struct motion_knot *motion_knot(struct motion *m, unsigned n) {
   return &m->knot[(m->first + n) % MOTION_KNOTS];
 }
 
-static inline int motion_is_finite(const struct motion *m, const struct motion_point *p) {
-  int finite = 1;
-  for (int i = 0; i < m->axes; i++) {
-    finite = finite && isfinite(p->position[i]) && isfinite(p->velocity[i]);
-    finite = finite && isfinite(p->acceleration[i]) && isfinite(p->current[i]);
-  }
-  return finite;
-}
-
 /* Another knot behind those there are. EINVAL: it is earlier, or no number; EAGAIN: no room yet. */
 static inline int motion_put(struct motion *m, double time, const struct motion_point *point) {
   double least = m->used > 0 ? motion_knot(m, m->used - 1)->time : motion_time(m);
-  if (!(time >= least && isfinite(time) && motion_is_finite(m, point)) || m->used == MOTION_KNOTS) {
-    errno = m->used == MOTION_KNOTS ? EAGAIN : EINVAL;
-    return -1;
-  }
+  if (m->used == MOTION_KNOTS) return motion_refuse(EAGAIN);
+  if (!(time >= least && isfinite(time))) return motion_refuse(EINVAL);
+  for (int i = 0; i < m->axes; i++)
+    if (!isfinite(point->position[i] + point->velocity[i] + point->acceleration[i] +
+                  point->current[i]))
+      return motion_refuse(EINVAL);
   motion_knot(m, m->used)->time = time;
   motion_knot(m, m->used++)->at = *point;
   return 0;
@@ -236,10 +240,8 @@ static inline int motion_step(struct motion *m) {
   if (motion_wait(m) < 0) return -1;
   goes_on = motion_at(m, motion_time(m), &point);
   for (int i = 0; i < m->axes; i++) {
-    if (!goes_on && fabs(point.velocity[i] * m->axis[i].counts * m->interval) >= 0.5) {
-      errno = ETIME;
-      return -1;
-    }
+    if (!goes_on && fabs(point.velocity[i] * m->axis[i].counts * m->interval) >= 0.5)
+      return motion_refuse(ETIME);
     setpoint[i] = motion_setpoint(m, i, &point);
   }
   if (write(m->fd, setpoint, sizeof setpoint[0] * (size_t)m->axes) < 0) return -1;
@@ -254,21 +256,20 @@ static inline int motion_run(struct motion *m) {
   return result;
 }
 
-/* --- profiles: all joints begin and end together, each within `share` of its limits ------------
- */
+/* --- profiles: all joints begin and end together, each within `share` of its limits --------- */
 
-static inline double motion_begin(struct motion *m, struct motion_point *from) {
-  if (m->used == 0) {
-    *from = m->rest;
-    return motion_time(m);
-  }
-  *from = motion_knot(m, m->used - 1)->at;
-  return motion_knot(m, m->used - 1)->time;
-}
+/* On the straight way from the end of the buffer: so far, at this speed and with this acceleration
+ * of the whole. */
+struct motion_part {
+  double time, way, speed, rise;
+};
 
-/* The most that the common way from 0 to 1 may do: 1/s, 1/s^2. 1; 0 there already, -1 nowhere. */
-static inline int motion_limits(const struct motion *m, const struct motion_point *from,
-                                const double *to, double share, double *speed, double *rise) {
+/* Where and when the buffer ends, and the most that the common way from there, 0 to 1, may do: 1/s,
+ * 1/s^2. */
+static inline double motion_begin(struct motion *m, const double *to, double share,
+                                  struct motion_point *from, double *speed, double *rise) {
+  const struct motion_knot *last = m->used > 0 ? motion_knot(m, m->used - 1) : NULL;
+  *from = last != NULL ? last->at : m->rest;
   double whole = 0;
   *speed = *rise = INFINITY;
   for (int i = 0; i < m->axes; i++) {
@@ -277,60 +278,52 @@ static inline int motion_limits(const struct motion *m, const struct motion_poin
     *rise = fmin(*rise, share * m->axis[i].acceleration / way);
     whole += way;
   }
-  if (isfinite(whole)) return whole > 0;
-  errno = EINVAL;
-  return -1;
+  if (isnan(whole)) *speed = *rise = 0; /* no knot will be taken */
+  return last != NULL ? last->time : motion_time(m);
 }
 
-/* A knot on the straight way: so far, at this speed and with this acceleration of the whole. */
-static inline int motion_put_share(struct motion *m, double time, const struct motion_point *from,
-                                   const double *to, double way, double speed, double rise) {
-  struct motion_point point = *from;
-  for (int i = 0; i < m->axes; i++) {
-    double whole = to[i] - from->position[i];
-    point.position[i] = from->position[i] + whole * way;
-    point.velocity[i] = whole * speed;
-    point.acceleration[i] = whole * rise;
+/* Puts n knots, or none if there is no room yet. */
+static inline int motion_put_parts(struct motion *m, const struct motion_point *from,
+                                   const double *to, const struct motion_part *part, unsigned n) {
+  if (MOTION_KNOTS - m->used < n) return motion_refuse(EAGAIN);
+  for (; n > 0; n--, part++) {
+    struct motion_point point = *from;
+    for (int i = 0; i < m->axes; i++) {
+      double whole = to[i] - from->position[i];
+      point.position[i] = from->position[i] + whole * part->way;
+      point.velocity[i] = whole * part->speed;
+      point.acceleration[i] = whole * part->rise;
+    }
+    if (motion_put(m, part->time, &point) < 0) return -1;
   }
-  return motion_put(m, time, &point);
+  return 0;
 }
 
 /* Constant acceleration, constant speed, constant deceleration; behind what is in the buffer. */
 static inline int motion_trapezoid(struct motion *m, const double *to, double share) {
   struct motion_point from;
-  double speed, a, t = motion_begin(m, &from);
-  int moves = motion_limits(m, &from, to, share, &speed, &a);
-  if (moves <= 0) return moves;
+  double speed, a, t = motion_begin(m, to, share, &from, &speed, &a);
+  if (isinf(speed)) return 0; /* there already */
   double v = fmin(speed, sqrt(a)), ramp = v / a, flat = fmax(1 / v - ramp, 0), half = v * ramp / 2;
-  if (MOTION_KNOTS - m->used < 6) {
-    errno = EAGAIN;
-    return -1;
-  }
-  if (motion_put_share(m, t, &from, to, 0, 0, a) < 0 ||
-      motion_put_share(m, t + ramp, &from, to, half, v, a) < 0 ||
-      motion_put_share(m, t + ramp, &from, to, half, v, 0) < 0 ||
-      motion_put_share(m, t + ramp + flat, &from, to, 1 - half, v, 0) < 0 ||
-      motion_put_share(m, t + ramp + flat, &from, to, 1 - half, v, -a) < 0)
-    return -1;
-  t += 2 * ramp + flat;
-  return motion_put_share(m, t, &from, to, 1, 0, -a) < 0
-             ? -1
-             : motion_put_share(m, t, &from, to, 1, 0, 0);
+  double fast = t + ramp, slows = t + ramp + flat, end = t + (2 * ramp + flat);
+  const struct motion_part parts[] = {{t, 0, 0, a},
+                                      {fast, half, v, a},
+                                      {fast, half, v, 0},
+                                      {slows, 1 - half, v, 0},
+                                      {slows, 1 - half, v, -a},
+                                      {end, 1, 0, -a},
+                                      {end, 1, 0, 0}};
+  return motion_put_parts(m, &from, to, parts, 7);
 }
 
 /* One polynomial of fifth order from rest to rest. */
 static inline int motion_quintic(struct motion *m, const double *to, double share) {
   struct motion_point from;
-  double speed, a, t = motion_begin(m, &from);
-  int moves = motion_limits(m, &from, to, share, &speed, &a);
-  if (moves <= 0) return moves;
-  if (MOTION_KNOTS - m->used < 2) {
-    errno = EAGAIN;
-    return -1;
-  }
-  if (motion_put_share(m, t, &from, to, 0, 0, 0) < 0) return -1;
-  t += fmax(1.875 / speed, sqrt(5.773502691896258 / a)); /* 15/8; 10/sqrt(3) */
-  return motion_put_share(m, t, &from, to, 1, 0, 0);
+  double speed, a, t = motion_begin(m, to, share, &from, &speed, &a);
+  if (isinf(speed)) return 0;
+  double end = t + fmax(1.875 / speed, sqrt(5.773502691896258 / a)); /* 15/8; 10/sqrt(3) */
+  const struct motion_part parts[] = {{t, 0, 0, 0}, {end, 1, 0, 0}};
+  return motion_put_parts(m, &from, to, parts, 2);
 }
 
 /* --- where the joints are ---------------------------------------------------------------- */
@@ -377,10 +370,7 @@ static inline int motion_home(struct motion *m, double share) {
   for (int i = 0; i < m->axes; i++) {
     const struct motion_axis *x = &m->axis[i];
     double at = (before[i].adcvai - x->pot_zero) * x->pot;
-    if (x->turn == 0 || x->pot == 0) {
-      errno = ENODEV;
-      return -1;
-    }
+    if (x->turn == 0 || x->pot == 0) return motion_refuse(ENODEV);
     to[i] = m->rest.position[i] +
             (at > (x->low + x->high) / 2 ? -1.25 : 1.25) * fabs(x->turn / x->counts);
     waits[i] = 1;
@@ -396,8 +386,7 @@ static inline int motion_home(struct motion *m, double share) {
   if (goes_on < 0 || left < 0) return -1;
   memcpy(m->zero, zero, sizeof zero);
   if (motion_rest(m) < 0) return -1;
-  if (left > 0) errno = ENODEV;
-  return left > 0 ? -1 : 0;
+  return left > 0 ? motion_refuse(ENODEV) : 0;
 }
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * All joints of a robot at once, with the motion library: there with constant acceleration, back on
- * a polynomial of fifth order; and how far they were off.
+ * All joints of a robot at once, with the motion library. Where are they? Potentiometers know the
+ * turn of the motor, indexes the place in it. Then there with constant acceleration, back on a
+ * polynomial of fifth order; and how far they were off.
  *
  *	mmcs exec --robot puma560 > robot.h
  *	cc $(mmcs exec --cflags --modern) move.c -o move -lm
@@ -15,20 +16,14 @@
 
 static struct motion m;
 
-static void check(int result, const char *what) {
-  if (result >= 0) return;
-  perror(what);
-  exit(1);
-}
-
 /* Plays the buffer to its end; the farthest that each joint was off its demand, counts. */
 static void play(const char *name) {
   struct mc_state state[ROBOT_AXES];
   int most[ROBOT_AXES] = {0}, goes_on;
   double began = motion_time(&m);
   do {
-    check(goes_on = motion_step(&m), "step");
-    check((int)read(m.fd, state, sizeof state), "read");
+    motion_check(goes_on = motion_step(&m), "step");
+    motion_check((int)read(m.fd, state, sizeof state), "read");
     for (int i = 0; i < m.axes; i++)
       if (abs(state[i].error) > most[i]) most[i] = abs(state[i].error);
   } while (goes_on);
@@ -39,16 +34,18 @@ static void play(const char *name) {
 
 int main(void) {
   double to[ROBOT_AXES], back[ROBOT_AXES];
-  check(motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US), "/dev/mc0");
-  check(motion_enable(&m), "MENABLE");
+  motion_check(motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US), "/dev/mc0");
+  motion_check(motion_enable(&m), "MENABLE");
+  motion_check(motion_home(&m, 0.25), "home");
   for (int i = 0; i < m.axes; i++) {
+    printf("%s is at %.4f rad, 0 rad is count %d\n", robot[i].name, m.rest.position[i], m.zero[i]);
     back[i] = m.rest.position[i];
     to[i] = back[i] + 1.0 / (2 + i); /* rad */
   }
-  check(motion_trapezoid(&m, to, 0.2), "trapezoid");
+  motion_check(motion_trapezoid(&m, to, 0.2), "trapezoid");
   play("trapezoid");
-  check(motion_quintic(&m, back, 0.2), "quintic");
+  motion_check(motion_quintic(&m, back, 0.2), "quintic");
   play("quintic");
-  check(motion_close(&m), "close");
+  motion_check(motion_close(&m), "close");
   return 0;
 }

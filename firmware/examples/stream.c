@@ -21,24 +21,15 @@
 
 static struct motion m;
 
-static void check(int result, const char *what) {
-  if (result >= 0) return;
-  perror(what);
-  exit(1);
-}
-
-/* Of a circle that begins at rest: the phase goes from 0 to whole turns with 1 - cos. */
-static struct motion_point circle(const struct motion_point *rest, double t) {
+/* Swings of all joints, every other one the other way, that begin and end at standstill. */
+static struct motion_point swing(const struct motion_point *rest, double t) {
   struct motion_point p = *rest;
-  double long_s = TURNS * TURN_S, w = 3.141592653589793 / long_s, all = TURNS * 3.141592653589793;
-  double phase = all * (1 - cos(w * t)), rate = all * w * sin(w * t);
-  double rise = all * w * w * cos(w * t);
+  const double w = 6.283185307179586 / TURN_S;
   for (int i = 0; i < m.axes; i++) {
-    double c = i % 2 ? sin(phase) : 1 - cos(phase), d = i % 2 ? cos(phase) : sin(phase);
-    double e = i % 2 ? -sin(phase) : cos(phase);
-    p.position[i] += RAD * c;
-    p.velocity[i] = RAD * d * rate;
-    p.acceleration[i] = RAD * (e * rate * rate + d * rise);
+    double rad = i % 2 ? -RAD : RAD;
+    p.position[i] += rad * (1 - cos(w * t));
+    p.velocity[i] = rad * w * sin(w * t);
+    p.acceleration[i] = rad * w * w * cos(w * t);
   }
   return p;
 }
@@ -46,22 +37,22 @@ static struct motion_point circle(const struct motion_point *rest, double t) {
 int main(void) {
   int knots = (int)(TURNS * TURN_S / EVERY_S + 0.5), next = 0, goes_on = 1;
   double begin;
-  check(motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US), "/dev/mc0");
-  check(motion_enable(&m), "MENABLE");
+  motion_check(motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US), "/dev/mc0");
+  motion_check(motion_enable(&m), "MENABLE");
   struct motion_point rest = m.rest;
   begin = motion_time(&m);
   while (goes_on) {
     struct mc_state state[ROBOT_AXES];
     while (next <= knots && m.used < 4) { /* four knots ahead are enough */
-      struct motion_point p = circle(&rest, EVERY_S * next);
-      check(motion_put(&m, begin + EVERY_S * next++, &p), "put");
+      struct motion_point p = swing(&rest, EVERY_S * next);
+      motion_check(motion_put(&m, begin + EVERY_S * next++, &p), "put");
     }
-    check(goes_on = motion_step(&m), "step");
-    check((int)read(m.fd, state, sizeof state), "read");
+    motion_check(goes_on = motion_step(&m), "step");
+    motion_check((int)read(m.fd, state, sizeof state), "read");
     printf("%.3f", motion_time(&m) - begin);
     for (int i = 0; i < m.axes; i++) printf(",%.5f", motion_position(&m, i, state[i].encnow));
     printf("\n");
   }
-  check(motion_close(&m), "close");
+  motion_check(motion_close(&m), "close");
   return 0;
 }

@@ -42,7 +42,7 @@ void calib_end(struct mc *mc, int axis) {
   (void)hw_counter(mc, axis); /* what the index latched last is out of the way */
 }
 
-void calib_leave(struct mc *mc, int axis) {
+static void leave(struct mc *mc, int axis) {
   mc->axis[axis].calib = mc->axis[axis].lost = 0;
   hw_apply_modes(mc);
 }
@@ -61,7 +61,7 @@ void calib_serve(struct mc *mc, const struct mc_sample *s) {
   for (int axis = 0; axis < mc->axes; axis++) {
     if (!s->indexed[axis]) continue;
     error_raise_index(mc, axis, s->index[axis]);
-    calib_leave(mc, axis);
+    leave(mc, axis);
     found = 1;
   }
   for (int card = 0; card < mc->cards; card++) {

@@ -46,13 +46,11 @@ static int start(struct mc *mc) {
   } else {
     hw_put(mc, MMCS_VECTOR, mc->config.vector);
     mc->power = MC_IDLE;
+    mc->stopped = mc->shut = MC_FREE;
+    mc->cause = MCAUSE_NONE;
+    mc->cause_of = mc->silent = mc->told = 0;
     mc->adc_timeouts = 0;
     mc->crowded = 0;
-    mc->stopped = MC_FREE;
-    mc->shut = MC_FREE;
-    mc->cause = MCAUSE_NONE;
-    mc->cause_of = 0;
-    mc->silent = mc->told = 0;
     mc->stats = (struct mc_stats){0};
     mc_scan(mc);
     result = timer_counts(mc, MC_INTERVAL_US, &mc->n0, &mc->n1);
@@ -112,17 +110,13 @@ int mc_read(struct mc *mc, int client, void *user_buf, size_t len) {
   struct mc_state copy[MC_MAX_AXES];
   if (!is_client(mc, client) || !mc->client[client].can_read) return -MC_EBADF;
   if (len < sizeof(struct mc_state)) return -MC_EINVAL;
-  unsigned level = mc->os.mask(mc->os.ctx);
-  if (mc->stats.total == 0) sample_first(mc);
   int n = mc->joints;
   if (len / sizeof(struct mc_state) < (size_t)n) n = (int)(len / sizeof(struct mc_state));
-  for (int axis = 0; axis < n; axis++) {
-    copy[axis] = mc->axis[axis].state;
-    copy[axis].errcode = error_show(mc, client, axis);
-  }
+  unsigned level = mc->os.mask(mc->os.ctx);
+  if (mc->stats.total == 0) sample_first(mc);
   size_t bytes = (size_t)n * sizeof(struct mc_state);
   uint8_t had_read = mc->client[client].has_read;
-  error_seen(mc, client, n);
+  error_show(mc, client, n, copy);
   mc->os.unmask(mc->os.ctx, level);
   if (n == 0 || mc->os.copy_out(mc->os.ctx, user_buf, copy, bytes) == 0) return (int)bytes;
   level = mc->os.mask(mc->os.ctx);

@@ -39,18 +39,18 @@ void error_raise_index(struct mc *mc, int axis, uint16_t count) {
   error_raise(mc, axis, MERR_ZINDEX);
 }
 
-/* What is pending, and what came since this client looked, whoever has cleared it meanwhile. */
-int error_show(const struct mc *mc, int client, int axis) {
-  return code_of(mc, axis, flags_of(mc, axis) | mc->client[client].untold[axis]);
-}
-
-/* A client reads the states of the first `axes` axes. */
-void error_seen(struct mc *mc, int client, int axes) {
+/* A client reads the states of the first `axes` axes, with what is pending and what came since it
+ * looked, whoever has cleared that meanwhile. One loop: a pass that waits for its end is late. */
+void error_show(struct mc *mc, int client, int axes, struct mc_state *states) {
   struct mc_client *c = &mc->client[client];
   c->has_read = 1;
-  for (int axis = 0; axis < MC_MAX_AXES; axis++) {
+  for (int axis = 0; axis < mc->axes; axis++) {
     c->since[axis] = c->again[axis] = 0;
-    if (axis < axes) c->untold[axis] = 0;
+    if (axis >= axes) continue;
+    states[axis] = mc->axis[axis].state;
+    if ((states[axis].errcode | c->untold[axis]) == 0) continue;
+    states[axis].errcode = code_of(mc, axis, flags_of(mc, axis) | c->untold[axis]);
+    c->untold[axis] = 0;
   }
 }
 

@@ -37,6 +37,10 @@ void hw_put_list(struct mc *mc, const uint16_t *offsets, const uint8_t *values, 
   for (unsigned i = 0; i < n; i++) hw_put(mc, offsets[i], values[i]);
 }
 
+static void fill(uint16_t *list, unsigned base, const uint8_t *regs, unsigned n) {
+  for (unsigned i = 0; i < n; i++) list[i] = (uint16_t)(base + 2u * regs[i]);
+}
+
 /* Port C stands before the pairs, too, so that no byte that somebody else has read of a counter is
  * taken for the first one of a pair: any other access to the card begins them anew. */
 void hw_make_lists(struct mc *mc) {
@@ -48,15 +52,9 @@ void hw_make_lists(struct mc *mc) {
                                           MMCS_CARD_DAC2_HI};
   for (unsigned card = 0; card < (unsigned)mc->cards; card++) {
     unsigned base = mc->card[card].base;
-    for (unsigned i = 0; i < MC_SENSE; i++) {
-      mc->list.sense[MC_SENSE * card + i] = (uint16_t)(base + 2u * sense[i]);
-    }
-    for (unsigned i = 0; i < MC_ANALOG; i++) {
-      mc->list.analog[MC_ANALOG * card + i] = (uint16_t)(base + 2u * analog[i]);
-    }
-    for (unsigned i = 0; i < MC_DRIVE; i++) {
-      mc->list.drive[MC_DRIVE * card + i] = (uint16_t)(base + 2u * drive[i]);
-    }
+    fill(mc->list.sense + MC_SENSE * card, base, sense, MC_SENSE);
+    fill(mc->list.analog + MC_ANALOG * card, base, analog, MC_ANALOG);
+    fill(mc->list.drive + MC_DRIVE * card, base, drive, MC_DRIVE);
   }
 }
 
@@ -76,8 +74,7 @@ static void put_b_holding(struct mc *mc, int card) {
   hw_card_put(mc, card, MMCS_CARD_PPI_A, c->a);
 }
 
-void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear) {
-  uint8_t b = (uint8_t)((mc->card[card].b & ~clear) | set);
+static void set_b(struct mc *mc, int card, uint8_t b) {
   int switched = (b ^ mc->card[card].b) & MMCS_CARD_PPI_B_ENC_JOINT_bm;
   mc->card[card].b = b;
   if (switched) {
@@ -103,7 +100,7 @@ static uint8_t wanted_b(const struct mc *mc, int card) {
 void hw_apply_modes(struct mc *mc) {
   for (int card = 0; card < mc->cards; card++) {
     uint8_t b = wanted_b(mc, card);
-    if (b != mc->card[card].b) hw_set_b(mc, card, b, 0xFF);
+    if (b != mc->card[card].b) set_b(mc, card, b);
   }
 }
 

@@ -118,7 +118,9 @@ static int skip_sample(struct mc *mc) {
 /* Heartbeats follow the servo: what should have computed and did not keeps none of them alive. */
 static int skip_pass(struct mc *mc) {
   if (!skip_sample(mc) || mc->power != MC_RUNNING) return 0;
-  if ((uint64_t)mc->skipped * mc->interval_us >= MC_SKIP_US) power_overrun(mc);
+  if ((uint64_t)mc->skipped * mc->interval_us >= MC_SKIP_US) {
+    power_trip(mc, MCAUSE_LATE, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms");
+  }
   return 1;
 }
 

@@ -3,17 +3,20 @@
  * a sample. */
 #include "mc_priv.h"
 
-union argument {
-  int32_t value;
-  uint32_t word;
-  struct mc_param param;
-  struct mc_stats stats;
-  struct mmcs_setpoint setpoint;
+struct argument {
+  int client; /* whose request it is */
+  union {
+    int32_t value;
+    uint32_t word;
+    struct mc_param param;
+    struct mc_stats stats;
+    struct mmcs_setpoint setpoint;
+  };
 };
 
 struct request {
   uint32_t code;
-  int (*serve)(struct mc *mc, int client, union argument *arg);
+  int (*serve)(struct mc *mc, struct argument *arg);
   uint8_t changes; /* needs the device open for writing */
   uint8_t waits;   /* takes its time: masks the level by itself */
 };
@@ -31,18 +34,16 @@ static int has_axis(const struct mc *mc, int32_t axis) {
 }
 
 /* "Lower 8 bits specify axis" of MSETENC, MSETLED, MSETDAC. */
-static int axis_of(const union argument *arg) {
+static int axis_of(const struct argument *arg) {
   return (int)(arg->word & 0xFF);
 }
 
-static int get_num_cards(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int get_num_cards(struct mc *mc, struct argument *arg) {
   arg->value = mc->cards;
   return 0;
 }
 
-static int set_num_joints(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int set_num_joints(struct mc *mc, struct argument *arg) {
   if (arg->value < 0 || arg->value > mc->axes) return -MC_EINVAL;
   int low = arg->value < mc->joints ? arg->value : mc->joints;
   int high = arg->value < mc->joints ? mc->joints : arg->value;
@@ -61,8 +62,7 @@ static int is_too_slow(const struct mc_param *par, uint32_t interval_us) {
   return par->clkdivisor > 1 && (uint64_t)par->clkdivisor * interval_us > MC_SERVO_US;
 }
 
-static int get_param(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int get_param(struct mc *mc, struct argument *arg) {
   if (!has_axis(mc, arg->param.which)) return -MC_EINVAL;
   arg->param = mc->axis[arg->param.which].par;
   return 0;
@@ -84,9 +84,8 @@ static int is_nonsense(const struct mc *mc, const struct mc_param *par) {
 
 /* Bumpless: an axis that under power enters position mode, or gets another feedback, stays where it
  * is; in other modes it gets the setpoint 0; until a process writes again. */
-static int set_param(struct mc *mc, int client, union argument *arg) {
+static int set_param(struct mc *mc, struct argument *arg) {
   const struct mc_param *to = &arg->param;
-  (void)client;
   if (!has_axis(mc, to->which)) return -MC_EINVAL;
   if (is_nonsense(mc, to)) return -MC_EINVAL;
   if (calib_disturbs(to) && axis_calibrates(mc, to->which / 2)) {
@@ -112,8 +111,7 @@ static void say(struct mc *mc, const char *what, int number) {
   if ((mc->verbosity & M_VERBOSE) != 0) text_log(mc, what, number, "");
 }
 
-static int stop(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int stop(struct mc *mc, struct argument *arg) {
   (void)arg;
   power_rest(mc);
   mc->stopped = MC_LATCHED;
@@ -121,36 +119,31 @@ static int stop(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
-static int enable(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int enable(struct mc *mc, struct argument *arg) {
   (void)arg;
   int result = power_enable(mc);
   if (result == 0) say(mc, "enabled, axes:", mc->axes);
   return result;
 }
 
-static int set_verbosity(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int set_verbosity(struct mc *mc, struct argument *arg) {
   mc->verbosity = arg->value;
   say(mc, "cards:", mc->cards);
   return 0;
 }
 
-static int get_verbosity(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int get_verbosity(struct mc *mc, struct argument *arg) {
   arg->value = mc->verbosity;
   return 0;
 }
 
-static int clear_error(struct mc *mc, int client, union argument *arg) {
-  (void)arg;
-  error_clear(mc, client);
+static int clear_error(struct mc *mc, struct argument *arg) {
+  error_clear(mc, arg->client);
   return 0;
 }
 
-static int set_interval(struct mc *mc, int client, union argument *arg) {
+static int set_interval(struct mc *mc, struct argument *arg) {
   uint32_t n0 = 0, n1 = 0;
-  (void)client;
   if (timer_counts(mc, arg->word, &n0, &n1) != 0) return -MC_EINVAL;
   for (int axis = 0; axis < mc->axes; axis++) {
     if (!is_too_slow(&mc->axis[axis].par, arg->word)) continue;
@@ -164,8 +157,7 @@ static int set_interval(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
-static int get_interval(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int get_interval(struct mc *mc, struct argument *arg) {
   arg->word = mc->interval_us;
   return 0;
 }
@@ -181,10 +173,9 @@ static void renumber(const struct mc *mc, struct mc_axis *x, int64_t by) {
 }
 
 /* The pair is read twice: the first read may be what SCLOCK latched before. */
-static int set_encoder(struct mc *mc, int client, union argument *arg) {
+static int set_encoder(struct mc *mc, struct argument *arg) {
   int axis = axis_of(arg);
   uint16_t value = (uint16_t)(arg->word >> 8);
-  (void)client;
   if (!has_axis(mc, axis)) return -MC_EINVAL;
   struct mc_axis *x = &mc->axis[axis];
   unsigned msb = (axis & 1) != 0 ? MMCS_CARD_ENC2_MSB : MMCS_CARD_ENC1_MSB;
@@ -202,9 +193,8 @@ static int set_encoder(struct mc *mc, int client, union argument *arg) {
 }
 
 /* Each axis has one of the two lights of its card: bit 8. Further bits have no light here. */
-static int set_led(struct mc *mc, int client, union argument *arg) {
+static int set_led(struct mc *mc, struct argument *arg) {
   int axis = axis_of(arg);
-  (void)client;
   if (!has_axis(mc, axis)) return -MC_EINVAL;
   struct mc_card *card = &mc->card[axis / 2];
   unsigned light = (axis & 1) != 0 ? MMCS_CARD_PPI_A_LED2_bm : MMCS_CARD_PPI_A_LED1_bm;
@@ -215,8 +205,7 @@ static int set_led(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
-static int diag_mode(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int diag_mode(struct mc *mc, struct argument *arg) {
   if ((arg->value & ~(M_ANDIAG | M_ENDIAG)) != 0) return -MC_EINVAL;
   int blind = (arg->value & M_ENDIAG) != 0 && mc->power != MC_IDLE ? axis_needing_encoder(mc) : -1;
   if (blind >= 0) {
@@ -232,38 +221,33 @@ static int diag_mode(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
-static int set_dac(struct mc *mc, int client, union argument *arg) {
+static int set_dac(struct mc *mc, struct argument *arg) {
   int axis = axis_of(arg);
-  (void)client;
   if (!has_axis(mc, axis) || !axis_is_off(&mc->axis[axis].par)) return -MC_EINVAL;
   if (mc->power != MC_RUNNING) return -MC_EIO;
   mc->axis[axis].code = (uint16_t)(arg->word >> 8 & 0xFFF);
   return 0;
 }
 
-static int dac_mode(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int dac_mode(struct mc *mc, struct argument *arg) {
   mc->double_buffer = arg->value != 0;
   mc->buffered = mc->double_buffer;
   hw_apply_modes(mc);
   return 0;
 }
 
-static int get_stats(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int get_stats(struct mc *mc, struct argument *arg) {
   arg->stats = mc->stats;
   return 0;
 }
 
-static int zero_stats(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int zero_stats(struct mc *mc, struct argument *arg) {
   (void)arg;
   mc->stats = (struct mc_stats){0};
   return 0;
 }
 
-static int calibrate(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int calibrate(struct mc *mc, struct argument *arg) {
   if (!has_axis(mc, arg->value)) return -MC_EINVAL;
   for (int axis = arg->value & ~1; axis <= (arg->value | 1); axis++) {
     if (!calib_disturbs(&mc->axis[axis].par)) continue;
@@ -274,15 +258,13 @@ static int calibrate(struct mc *mc, int client, union argument *arg) {
   return 0;
 }
 
-static int calibrate_end(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int calibrate_end(struct mc *mc, struct argument *arg) {
   if (!has_axis(mc, arg->value)) return -MC_EINVAL;
   calib_end(mc, arg->value);
   return 0;
 }
 
-static int set_setpoint(struct mc *mc, int client, union argument *arg) {
-  (void)client;
+static int set_setpoint(struct mc *mc, struct argument *arg) {
   if (!has_axis(mc, arg->setpoint.axis)) return -MC_EINVAL;
   int32_t value = arg->setpoint.value;
   return axis_demand(mc, arg->setpoint.axis, 1, &value);
@@ -301,11 +283,11 @@ static const struct request *find(uint32_t code) {
   return NULL;
 }
 
-static int serve(struct mc *mc, int client, const struct request *r, union argument *arg) {
-  if (r->waits) return r->serve(mc, client, arg);
+static int serve(struct mc *mc, const struct request *r, struct argument *arg) {
+  if (r->waits) return r->serve(mc, arg);
   unsigned level = mc->os.mask(mc->os.ctx);
   mc->fault = 0;
-  int result = r->serve(mc, client, arg);
+  int result = r->serve(mc, arg);
   if (mc->fault && result == 0) result = -MC_EIO; /* the adaptor no longer answers */
   mc->os.unmask(mc->os.ctx, level);
   return result;
@@ -313,17 +295,17 @@ static int serve(struct mc *mc, int client, const struct request *r, union argum
 
 int mc_ioctl(struct mc *mc, int client, uint32_t request, void *arg) {
   const struct request *r = find(request);
-  union argument argument = {0};
+  struct argument argument = {.client = client};
   if (client < 0 || client >= MC_MAX_CLIENTS || !mc->client[client].used) return -MC_EBADF;
   if (r == NULL) return -MC_ENOTTY;
   if (r->changes && !mc->client[client].can_write) return -MC_EBADF;
   if ((request & MC_ARG_IN) != 0 &&
-      mc->os.copy_in(mc->os.ctx, &argument, arg, SIZE_OF(request)) != 0) {
+      mc->os.copy_in(mc->os.ctx, &argument.value, arg, SIZE_OF(request)) != 0) {
     return -MC_EFAULT;
   }
-  int result = serve(mc, client, r, &argument);
+  int result = serve(mc, r, &argument);
   if (result == 0 && (request & MC_ARG_OUT) != 0 &&
-      mc->os.copy_out(mc->os.ctx, arg, &argument, SIZE_OF(request)) != 0) {
+      mc->os.copy_out(mc->os.ctx, arg, &argument.value, SIZE_OF(request)) != 0) {
     return -MC_EFAULT;
   }
   return result;

@@ -40,12 +40,12 @@ enum mc_latch {
   MC_LATCHED_TOLD /* a write was refused, and told so */
 };
 
-/* What the console was told and is not told again, until a sample is published. */
+/* What the console was told and is not told again, until a sample is published; MC_TOLD_CROWDED,
+ * during which samples may come, until the next open. */
 enum mc_told {
-  MC_TOLD_FAULT = 1, /* a bus error in a pass */
-  MC_TOLD_QUIET = 2, /* the end of the interrupts */
-  MC_TOLD_CROWDED =
-      4 /* passes outlast SCLOCK: samples may come meanwhile, so until the next open */
+  MC_TOLD_FAULT = 1,  /* a bus error in a pass */
+  MC_TOLD_QUIET = 2,  /* the end of the interrupts */
+  MC_TOLD_CROWDED = 4 /* passes outlast SCLOCK */
 };
 
 /* The index latch of a card that calibrates. */
@@ -153,10 +153,9 @@ void hw_put_list(struct mc *mc, const uint16_t *offsets, const uint8_t *values, 
 /* Fills mc->list for the cards found. */
 void hw_make_lists(struct mc *mc);
 void hw_set_pccsr(struct mc *mc, uint8_t set, uint8_t clear);
-void hw_set_b(struct mc *mc, int card, uint8_t set, uint8_t clear);
-/* Reads and clears the interrupt latches: PCCSR as it was. */
 /* Ports B as power, diagnostic and buffer modes want them. */
 void hw_apply_modes(struct mc *mc);
+/* Reads and clears the interrupt latches: PCCSR as it was. */
 uint8_t hw_take_latches(struct mc *mc);
 /* Puts the PPI of a card into its working state from the shadows. */
 void hw_init_ppi(struct mc *mc, int card);
@@ -170,8 +169,6 @@ uint8_t hw_index_bm(int axis);
 
 /* scan.c */
 void mc_scan(struct mc *mc);
-/* The values of Table 2.1 for every axis. */
-void mc_set_defaults(struct mc *mc);
 
 /* timer.c */
 /* Finds counts for an interval: 0, or -MC_EINVAL. */
@@ -180,8 +177,6 @@ int timer_counts(const struct mc *mc, uint32_t us, uint32_t *n0, uint32_t *n1);
 void timer_start(struct mc *mc);
 /* Of mc->n0 and mc->n1; a division, which no stop and no pass can afford: mc->interval_us. */
 uint32_t timer_interval_us(const struct mc *mc);
-/* SCLOCKs that last at least `us`, at least 1. */
-uint32_t timer_ticks(const struct mc *mc, uint32_t us);
 /* SCLOCKs during which our own stop may raise PANIC. */
 uint32_t timer_grace(const struct mc *mc);
 /* SCLOCKs since the last one served; that becomes the one being served. */
@@ -197,17 +192,13 @@ void sample_first(struct mc *mc);
 
 /* power.c: the level is masked but in power_enable(). */
 int power_enable(struct mc *mc);
-/* Starts all axes afresh: no history, and no demand but to stay, until a process writes one. */
-void power_restart_axes(struct mc *mc);
 /* Zero current on all axes, then silence: PANIC and brakes follow within 50 ms. */
 void power_stop(struct mc *mc);
 /* MSTOP, and what the last writer leaves behind: the same, and all modes off. */
 void power_rest(struct mc *mc);
 void power_panic(struct mc *mc);
-/* Passes go by without a servo sample: a PANIC of our own. */
-void power_overrun(struct mc *mc);
-/* The same for what else cannot go on: with one line that says why. */
-void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more);
+/* A PANIC of our own, with one line that says why. */
+void power_trip(struct mc *mc, int cause, const char *what);
 /* Remembers what shuts the machine down: MCAUSE_..., axis or card. */
 void power_blame(struct mc *mc, int cause, int number);
 
@@ -227,7 +218,6 @@ int calib_disturbs(const struct mc_param *par);
 void calib_start(struct mc *mc, int axis);
 void calib_cancel(struct mc *mc);
 void calib_end(struct mc *mc, int axis);
-void calib_leave(struct mc *mc, int axis);
 void calib_serve(struct mc *mc, const struct mc_sample *s);
 
 /* axis.c */
@@ -244,8 +234,7 @@ int axis_calibrates(const struct mc *mc, int card); /* one of the card's */
 /* errors.c */
 void error_raise(struct mc *mc, int axis, uint8_t flags);
 void error_raise_index(struct mc *mc, int axis, uint16_t count);
-int error_show(const struct mc *mc, int client, int axis);
-void error_seen(struct mc *mc, int client, int axes);
+void error_show(struct mc *mc, int client, int axes, struct mc_state *states);
 void error_unseen(struct mc *mc, int client, int axes, const struct mc_state *shown);
 void error_clear(struct mc *mc, int client);
 void error_signal(struct mc *mc);

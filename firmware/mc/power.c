@@ -7,7 +7,8 @@
  */
 #include "mc_priv.h"
 
-void power_restart_axes(struct mc *mc) {
+/* Starts all axes afresh: no history, and no demand but to stay, until a process writes one. */
+static void restart_axes(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     servo_reset(&x->servo);
     x->wait = 0;
@@ -92,38 +93,6 @@ static void diagnose(struct mc *mc, uint8_t *port_c, uint8_t *dead) {
   }
 }
 
-static void report_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dead) {
-  int named = 0, silent = 0;
-  for (int axis = 0; axis < mc->axes; axis++) {
-    int card = axis / 2;
-    if (dead[card]) {
-      if ((axis & 1) != 0) continue;
-      text_log(mc, "PANIC: card", mc->card[card].dip, " does not answer");
-      silent++;
-    } else if ((port_c[card] & hw_heartbeat_bm(axis)) == 0) {
-      text_log(mc, "PANIC: axis", axis, " has no heartbeat");
-      named++;
-    }
-  }
-  if (named == 0 && (silent == 0 || silent == mc->cards)) {
-    text_log(mc, "PANIC: button, cable or power", -1, "");
-  }
-}
-
-/* As far as registers tell. */
-static void blame_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dead) {
-  int silent = 0;
-  power_blame(mc, MCAUSE_PASSED, -1);
-  for (int axis = mc->axes - 1; axis >= 0; axis--) {
-    if ((port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0 || dead[axis / 2]) continue;
-    power_blame(mc, MCAUSE_HEARTBEAT, axis);
-  }
-  for (int card = 0; card < mc->cards; card++) {
-    if (dead[card] && silent++ == 0) power_blame(mc, MCAUSE_CARD, mc->card[card].dip);
-  }
-  if (silent > 0 && silent == mc->cards) power_blame(mc, MCAUSE_SILENT, -1);
-}
-
 static void tell_all(struct mc *mc) {
   mc_count(&mc->stats.panics, 1);
   for (int axis = 0; axis < mc->axes; axis++) error_raise(mc, axis, MERR_PANIC);
@@ -136,15 +105,37 @@ void power_blame(struct mc *mc, int cause, int number) {
   mc->cause_of = (uint8_t)(number + 1);
 }
 
-void power_trip(struct mc *mc, int cause, const char *what, int number, const char *more) {
+void power_trip(struct mc *mc, int cause, const char *what) {
   power_blame(mc, cause, -1);
   power_stop(mc);
   tell_all(mc);
-  text_log(mc, what, number, more);
+  text_log(mc, what, -1, "");
 }
 
-void power_overrun(struct mc *mc) {
-  power_trip(mc, MCAUSE_LATE, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms", -1, "");
+/* Whose fault it is, as far as registers tell; `aloud`: to the console, too. */
+static void blame_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dead, int aloud) {
+  int first = -1, gone = -1, silent = 0; /* axis without a heartbeat, card that does not answer */
+  for (int axis = 0; axis < mc->axes; axis++) {
+    int card = axis / 2;
+    if (dead[card]) {
+      if ((axis & 1) != 0) continue;
+      if (aloud) text_log(mc, "PANIC: card", mc->card[card].dip, " does not answer");
+      if (silent++ == 0) gone = mc->card[card].dip;
+    } else if ((port_c[card] & hw_heartbeat_bm(axis)) == 0) {
+      if (aloud) text_log(mc, "PANIC: axis", axis, " has no heartbeat");
+      if (first < 0) first = axis;
+    }
+  }
+  if (silent > 0 && silent == mc->cards) {
+    power_blame(mc, MCAUSE_SILENT, -1);
+  } else if (silent > 0) {
+    power_blame(mc, MCAUSE_CARD, gone);
+  } else {
+    power_blame(mc, first < 0 ? MCAUSE_PASSED : MCAUSE_HEARTBEAT, first);
+  }
+  if (aloud && first < 0 && (silent == 0 || silent == mc->cards)) {
+    text_log(mc, "PANIC: button, cable or power", -1, "");
+  }
 }
 
 void power_panic(struct mc *mc) {
@@ -156,11 +147,10 @@ void power_panic(struct mc *mc) {
   }
   int started = mc->power == MC_RUNNING;
   diagnose(mc, port_c, dead);
-  blame_panic(mc, port_c, dead);
   deafen(mc);
   silence(mc, port_c);
   tell_all(mc);
-  if (started) report_panic(mc, port_c, dead);
+  blame_panic(mc, port_c, dead, started);
 }
 
 /* Card by card, so that no pass waits for more than one of them. */
@@ -226,7 +216,7 @@ static void await_first_pass(struct mc *mc) {
   /* An interrupt that waited is served here: the first pass, the longest, must not begin late. */
   level = mc->os.mask(mc->os.ctx);
   if (mc->drive) { /* no stop came */
-    power_restart_axes(mc);
+    restart_axes(mc);
     mc->power = MC_STARTING;
   }
   mc->os.unmask(mc->os.ctx, level);
@@ -284,7 +274,7 @@ int power_enable(struct mc *mc) {
   if (mc->power == MC_STARTING || (mc->power == MC_IDLE && mc->drive)) return -MC_EBUSY;
   if (mc->power == MC_RUNNING) {
     unsigned level = mc->os.mask(mc->os.ctx);
-    if (result == 0) power_restart_axes(mc);
+    if (result == 0) restart_axes(mc);
     mc->os.unmask(mc->os.ctx, level);
     return result;
   }

@@ -31,27 +31,17 @@ static int counts_already(struct mc *mc, int card) {
 
 static void set_default(struct mc_axis *x, int which) {
   static const struct mc_param initial = MC_PARAM_INITIAL;
-  x->par = initial;
+  *x = (struct mc_axis){.par = initial, .code = MC_DAC_ZERO, .index = x->index};
   x->par.which = which;
-  servo_reset(&x->servo);
   servo_prepare(&x->law, &x->par);
-  x->state = (struct mc_state){0};
-  x->setpoint = 0;
-  x->wait = 0;
-  x->code = MC_DAC_ZERO;
-  x->adopt = 0;
-  x->calib = 0;
-  x->lost = 0;
 }
 
-void mc_set_defaults(struct mc *mc) {
+/* The values of Table 2.1 for every axis. */
+static void set_defaults(struct mc *mc) {
   for (int axis = 0; axis < MC_MAX_AXES; axis++) set_default(&mc->axis[axis], axis);
   mc->joints = mc->axes;
   mc->verbosity = 0;
-  mc->double_buffer = 0;
-  mc->buffered = 0;
-  mc->drive = 0;
-  mc->diag = 0;
+  mc->double_buffer = mc->buffered = mc->drive = mc->diag = 0;
 }
 
 /* What was known at the last close. */
@@ -86,7 +76,6 @@ static void find_position(struct mc *mc, int axis, const struct memory *old, int
     x->lost = old->lost[was];
   }
   x->state.encnow = x->position;
-  x->raw = 0;
 }
 
 void mc_scan(struct mc *mc) {
@@ -111,6 +100,6 @@ void mc_scan(struct mc *mc) {
   }
   mc->axes = 2 * mc->cards;
   hw_make_lists(mc);
-  mc_set_defaults(mc);
+  set_defaults(mc);
   for (int axis = 0; axis < mc->axes; axis++) find_position(mc, axis, &old, kept[axis / 2]);
 }

@@ -39,14 +39,14 @@ uint32_t timer_interval_us(const struct mc *mc) {
   return (uint32_t)((ticks * 1000000u + mc->config.sysclk_hz / 2) / mc->config.sysclk_hz);
 }
 
-uint32_t timer_ticks(const struct mc *mc, uint32_t us) {
-  uint32_t interval = mc->interval_us;
-  return (us + interval - 1) / interval + 1;
+/* SCLOCKs that last at least `us`, and one. */
+static uint32_t ticks_of(const struct mc *mc, uint32_t us) {
+  return (us + mc->interval_us - 1) / mc->interval_us + 1;
 }
 
 /* One is left when the SCLOCK after the end of the heartbeats comes. */
 uint32_t timer_grace(const struct mc *mc) {
-  uint32_t ticks = timer_ticks(mc, MC_HEARTBEAT_US), least = timer_ticks(mc, MC_SERVO_US) + 1;
+  uint32_t ticks = ticks_of(mc, MC_HEARTBEAT_US), least = ticks_of(mc, MC_SERVO_US) + 1;
   return ticks > least ? ticks : least;
 }
 

@@ -8,16 +8,15 @@ int watch_tell(struct mc *mc, uint8_t what) {
   return 1;
 }
 
-void watch_bus_error(struct mc *mc) {
-  revive_note(mc);
-  if (!watch_tell(mc, MC_TOLD_FAULT)) return;
-  power_trip(mc, MCAUSE_BUS, "PANIC: bus error in a servo pass", -1, "");
+static int trip(struct mc *mc, uint8_t told, int cause, const char *what) {
+  if (!watch_tell(mc, told)) return 0;
+  power_trip(mc, cause, what);
+  return 1;
 }
 
-static int trip(struct mc *mc, int cause, const char *what) {
-  if (!watch_tell(mc, MC_TOLD_QUIET)) return 0;
-  power_trip(mc, cause, what, -1, "");
-  return 1;
+void watch_bus_error(struct mc *mc) {
+  revive_note(mc);
+  (void)trip(mc, MC_TOLD_FAULT, MCAUSE_BUS, "PANIC: bus error in a servo pass");
 }
 
 /* SYSRESET* has cleared PCCSR, and with it the interrupts; cards may have been reset, too. For so
@@ -43,12 +42,12 @@ int mc_watch(struct mc *mc, uint64_t us) {
   int reset = ((hw_get(mc, MMCS_PCCSR) ^ mc->pccsr) & kept) != 0;
   if (!mc->fault) hw_put(mc, MMCS_VECTOR, mc->config.vector);
   if (mc->fault) {
-    told = trip(mc, MCAUSE_BUS, "PANIC: no interrupts, the adaptor does not answer");
+    told = trip(mc, MC_TOLD_QUIET, MCAUSE_BUS, "PANIC: no interrupts, the adaptor does not answer");
   } else if (reset) {
-    told = trip(mc, MCAUSE_RESET, "PANIC: SYSRESET*, the adaptor was reset");
+    told = trip(mc, MC_TOLD_QUIET, MCAUSE_RESET, "PANIC: SYSRESET*, the adaptor was reset");
     restart(mc, us);
   } else if (mc->power != MC_IDLE) {
-    told = trip(mc, MCAUSE_LATE, "PANIC: no interrupts");
+    told = trip(mc, MC_TOLD_QUIET, MCAUSE_LATE, "PANIC: no interrupts");
   }
   mc->os.unmask(mc->os.ctx, level);
   return told;

@@ -22,10 +22,8 @@
 #define MAILBOX_BYTES 0x1000
 /* A block of three words beside the memory. */
 #define MAILBOX_CONTROL 0x00F00000
-#define MAILBOX_REPORT (MAILBOX_CONTROL + 0) /* write: one of MAILBOX_SERVED... to the host */
-#define MAILBOX_DOORBELL                                                                          \
-  (MAILBOX_CONTROL + 4)                        /* write: the host's ring is noticed, level 2 ends \
-                                                */
+#define MAILBOX_REPORT (MAILBOX_CONTROL + 0)   /* write: one of MAILBOX_SERVED... to the host */
+#define MAILBOX_DOORBELL (MAILBOX_CONTROL + 4) /* write: the ring is noticed, level 2 ends */
 #define MAILBOX_CLOCK_US (MAILBOX_CONTROL + 8) /* read: free-running microseconds */
 /* The adaptor's 2 KiB window: on the VMEbus in short I/O space, jumpers A15-A11 at 0x6000; beside
  * a RISC-V processor a word for each register. */

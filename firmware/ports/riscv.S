@@ -16,22 +16,11 @@
 /* What C does not save goes to a frame of so many bytes on the stack; from 64 on it is the caller's.
  * op: sw or lw. */
         .macro  each_register op
-        \op     ra, 0(sp)
-        \op     t0, 4(sp)
-        \op     t1, 8(sp)
-        \op     t2, 12(sp)
-        \op     a0, 16(sp)
-        \op     a1, 20(sp)
-        \op     a2, 24(sp)
-        \op     a3, 28(sp)
-        \op     a4, 32(sp)
-        \op     a5, 36(sp)
-        \op     a6, 40(sp)
-        \op     a7, 44(sp)
-        \op     t3, 48(sp)
-        \op     t4, 52(sp)
-        \op     t5, 56(sp)
-        \op     t6, 60(sp)
+        .set    at, 0
+        .irp    register, ra, t0, t1, t2, a0, a1, a2, a3, a4, a5, a6, a7, t3, t4, t5, t6
+        \op     \register, at(sp)
+        .set    at, at + 4
+        .endr
         .endm
 
         .macro  enter_interrupt frame

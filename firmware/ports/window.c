@@ -32,13 +32,3 @@ enum mc_bus_result window_store_word(void *ctx, uint32_t at, uint32_t value) {
   *(volatile uint32_t *)((uintptr_t)ctx + at) = value;
   return MC_BUS_OK;
 }
-
-enum mc_bus_result window_load_byte(void *ctx, uint32_t at, uint32_t *value) {
-  *value = *(volatile uint8_t *)((uintptr_t)ctx + at);
-  return MC_BUS_OK;
-}
-
-enum mc_bus_result window_store_byte(void *ctx, uint32_t at, uint32_t value) {
-  *(volatile uint8_t *)((uintptr_t)ctx + at) = (uint8_t)value;
-  return MC_BUS_OK;
-}

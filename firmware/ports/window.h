@@ -22,11 +22,9 @@ struct window {
 /* The driver's bus over this window, which must outlive it. */
 void window_make_bus(struct mc_bus *bus, struct window *window);
 
-/* load and store of a window in the processor's own memory; ctx is the address of its first byte.
- * A bus error is the processor's trap there: these never fail. */
+/* load and store of a window of words in the processor's own memory; ctx is the address of its
+ * first byte. A bus error is the processor's trap there: these never fail. */
 enum mc_bus_result window_load_word(void *ctx, uint32_t at, uint32_t *value);
 enum mc_bus_result window_store_word(void *ctx, uint32_t at, uint32_t value);
-enum mc_bus_result window_load_byte(void *ctx, uint32_t at, uint32_t *value);
-enum mc_bus_result window_store_byte(void *ctx, uint32_t at, uint32_t value);
 
 #endif

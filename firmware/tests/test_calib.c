@@ -84,9 +84,9 @@ TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
   }
 }
 
-/* Port C then reads as an absent card's does. */
-TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-5 DRV-7 DRV-8") {
-  struct mc *mc = mock_open(&m, 2);
+/* Port C then reads as an absent card's does, also while a PANIC is looked into. */
+TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-5 DRV-7 DRV-8 DRV-12") {
+  struct mc *mc = listening(2);
   CHECK_EQ(enable(mc), 0);
   call(mc, MCALIB, 0);
   call(mc, MCALIB, 1);
@@ -100,6 +100,11 @@ TEST(test_both_indexes_of_a_live_card_are_no_absence, "DRV-5 DRV-7 DRV-8") {
   CHECK_EQ(m.signals[0], 1); /* of all of them */
   CHECK_EQ(m.card[0].b, 7);
   CHECK(!mock_panic(&m));
+  for (int axis = 0; axis < 2; axis++) call(mc, MCALIB, axis);
+  m.card[0].index[0] = m.card[0].index[1] = 1;
+  m.estop_open = 1;
+  mock_run(&m, 10);
+  SAID("mc: PANIC: button, cable or power\n");
 }
 
 static int strike_at, struck, struck_axis;

@@ -163,16 +163,6 @@ TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
   }
 }
 
-/* Both indexes latched make port C read 0xFF, as an absent card's does. */
-TEST(test_panic_while_both_indexes_are_latched, "DRV-8 DRV-12") {
-  struct mc *mc = enabled(2);
-  for (int axis = 2; axis < 4; axis++) CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
-  m.card[1].index[0] = m.card[1].index[1] = 1;
-  m.estop_open = 1;
-  mock_run(&m, 10);
-  SAID("mc: PANIC: button, cable or power\n");
-}
-
 TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
   for (int after = 40; after < 80; after += 2) {
     struct mc *mc = enabled(1);
@@ -193,49 +183,21 @@ TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {
   }
 }
 
-static void limits(struct mc *mc, int axis, int mode) {
-  CHANGE(mc, axis, par.mode = mode, par.plo = -100, par.phi = 100, par.ilim = 50, par.ilimax = 3);
-}
-
-/* Drives axis 1 over a limit and back; returns how many lines that made. */
-static int cross(struct mc *mc, int count) {
-  int before = m.logs;
-  m.last_log[0] = 0;
-  m.card[0].count[1] = (uint16_t)count;
-  mock_run(&m, 2100);
-  int lines = m.logs - before;
-  m.card[0].count[1] = 0;
-  mock_run(&m, 2100);
-  CHECK_EQ(m.logs - before, lines);
-  CHECK_EQ(mc_ioctl(mc, 0, MCLEARERROR, NULL), 0);
-  return lines;
-}
-
-TEST(test_limits_are_told_when_asked_for, "DRV-2 DRV-6") {
-  struct mc *mc = mock_open(&m, 2);
-  limits(mc, 1, MD_POS | POSCHK | SOFTERR);
-  CHECK_EQ(enable(mc), 0);
-  for (int say = 0; say < 4; say++) {
-    call(mc, MSETVERBOSITY, say);
-    CHECK_EQ(cross(mc, 101), say != 0);
-    CHECK(strcmp(m.last_log, say ? "mc: axis 1: high position limit" : "") == 0);
-    CHECK_EQ(cross(mc, -101), say != 0);
-    CHECK(strcmp(m.last_log, say ? "mc: axis 1: low position limit" : "") == 0);
+TEST(test_overload_is_told_and_shuts_down, "DRV-2 DRV-6 SRV-4") {
+  for (int soft = 0; soft < 2; soft++) {
+    struct mc *mc = listening(1);
+    CHANGE(mc, 1, par.mode = MD_TORQ | (soft ? SOFTERR : 0), par.ilim = 50, par.ilimax = 3);
+    CHECK_EQ(enable(mc), 0);
+    call(mc, MSETVERBOSITY, M_ERRORPRINT);
+    DEMAND(mc, 0, 60);
+    mock_run(&m, 7000);
+    SAID("");
+    CHECK_EQ(errcode_of(&m, 1), 0);
+    mock_run(&m, 2100);
+    SAID("mc: axis 1: sustained current overload\n");
+    CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_ILIM);
+    CHECK_EQ(mock_dac(&m, 1), soft ? 0x800 + 60 : 0x800);
   }
-}
-
-TEST(test_overload_is_told, "DRV-2 SRV-4") {
-  struct mc *mc = mock_open(&m, 1);
-  limits(mc, 1, MD_TORQ | SOFTERR);
-  CHECK_EQ(enable(mc), 0);
-  call(mc, MSETVERBOSITY, M_ERRORPRINT);
-  int before = m.logs;
-  DEMAND(mc, 0, 60);
-  mock_run(&m, 7000);
-  CHECK_EQ(m.logs, before);
-  mock_run(&m, 2100);
-  CHECK_EQ(m.logs, before + 1);
-  CHECK_EQ(strcmp(m.last_log, "mc: axis 1: sustained current overload"), 0);
 }
 
 TEST(test_the_verbose_hear_of_the_normal_course, "DRV-2") {
@@ -254,18 +216,31 @@ TEST(test_the_verbose_hear_of_the_normal_course, "DRV-2") {
   }
 }
 
+/* And every card for its answer: the sample of 0xFFs is discarded. */
 TEST(test_every_axis_is_watched_for_its_heartbeat, "DRV-7 DRV-12") {
-  for (int axis = 0; axis < 4; axis++) {
-    struct mc *mc = mock_open(&m, 2);
-    CHECK_EQ(enable(mc), 0);
-    mock_run(&m, 10000);
+  for (int what = 0; what < 4 + 2; what++) {
+    struct mc *mc = enabled(2);
+    struct mock_card *c = &m.card[what < 4 ? what / 2 : what - 4];
     int passes = m.passes;
-    m.card[axis / 2].enabled[axis % 2] = 0;
-    m.card[axis / 2].beat_until[axis % 2] = 0;
+    c->count[0] = 70;
+    mock_run(&m, 2000);
+    CHECK_EQ(m.passes, passes + 1);
+    if (what < 4) {
+      c->enabled[what % 2] = 0;
+      c->beat_until[what % 2] = 0;
+    } else {
+      c->present = 0;
+    }
+    said[0] = 0;
     mock_run(&m, 2100);
-    CHECK_EQ(mc_state_of(mc, 0)->errcode, MERR_PANIC);
-    CHECK_EQ(m.passes, passes); /* the pass that finds it is no sample */
-    CHECK_EQ(m.last_log[(int)strlen("mc: PANIC: axis ")], '0' + axis);
-    CHECK_EQ(m.card[axis / 2].beat_until[axis % 2], 0); /* and is not started again */
+    CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
+    CHECK_EQ(m.passes, passes + 1); /* the pass that finds it is no sample */
+    CHECK_EQ(mc_state_of(mc, 2 * (int)(c - m.card))->encnow, 70);
+    char text[] = "mc: PANIC: axis 0 has no heartbeat\n",
+         card[] = "mc: PANIC: card 0 does not answer\n";
+    text[16] = (char)('0' + what);
+    card[16] = (char)('0' + what - 4);
+    SAID(what < 4 ? text : card);
+    if (what < 4) CHECK_EQ(c->beat_until[what % 2], 0); /* and is not started again */
   }
 }

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 from fwbuild import ROOT, SANITIZE, WARN, compile_c
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tools.compiled import compiled, ran, written
 
@@ -33,6 +35,16 @@ def program() -> Path:
 @pytest.mark.parametrize("name", list(cases()))
 def test_c(name):
     done = ran(program(), name)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.req("DRV-2", "DRV-3", "DRV-4", "DRV-5", "DRV-6", "DRV-12")
+@settings(max_examples=100, deadline=None, derandomize=True, database=None)
+@given(st.binary(min_size=300, max_size=1500))
+def test_chosen_calls(choices):
+    """Chosen by hypothesis, and shortened where the driver does not what the model of test_random.c
+    says."""
+    done = ran(program(), "test_calls_that_a_model_judges", choices.hex().rstrip("0"))
     assert done.returncode == 0, done.stdout + done.stderr
 
 

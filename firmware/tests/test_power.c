@@ -55,15 +55,10 @@ TEST(test_enable_traffic, "DRV-9 PAN-2") {
 
 TEST(test_an_enabled_machine_starts_afresh_at_enable, "DRV-9 DRV-10") {
   struct mc *mc = opened(1);
-  struct mc_param par = param_of(mc, 0);
-  int32_t set[2] = {5, 6};
-  par.mode = MD_POS | ZEROFB;
-  par.b1 = -1; /* an integrator */
-  par.clkdivisor = 5;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  CHANGE(mc, 0, par.mode = MD_POS | ZEROFB, par.b1 = -1, par.clkdivisor = 5); /* an integrator */
   set_mode(mc, 1, MD_POS);
   CHECK_EQ(enable(mc), 0);
-  CHECK_EQ(mc_write(mc, 0, set, 4), 4);
+  DEMAND(mc, 5);
   m.card[0].count[1] = 33; /* axis 1 was pushed; nobody wrote it */
   mock_run(&m, 30100);
   CHECK_EQ(mc_state_of(mc, 0)->inow, 15);
@@ -167,22 +162,6 @@ TEST(test_enable_while_another_enables, "DRV-3 DRV-9") {
     CHECK_EQ(m.releases, 1);
     CHECK_EQ(m.masked, 0);
   }
-}
-
-static int stop_meanwhile(struct mc *mc) {
-  return waits == 2 ? mc_ioctl(mc, 0, MSTOP, NULL) : 0;
-}
-
-TEST(test_enable_that_is_stopped_says_so, "DRV-9") {
-  struct mc *mc = opened(1);
-  meanwhile = stop_meanwhile;
-  mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 100);
-  m.pccsr &= 0xDF; /* no pass comes before the second wait */
-  CHECK_EQ(enable(mc), -MC_EIO);
-  SAID("mc: enable: stopped by an error, PANIC or MSTOP\n");
-  CHECK_EQ(waits, 2);
-  CHECK(mock_panic(&m));
-  CHECK_EQ(m.card[0].b, 5);
 }
 
 TEST(test_enable_waits_for_two_passes_at_most, "DRV-9") {

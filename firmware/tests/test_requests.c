@@ -2,10 +2,6 @@
 /* What each request of Table 2.3 does, and what it leaves alone. §2.3.5 */
 #include "traffic.h"
 
-static void set(struct mc *mc, struct mc_param par) {
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-}
-
 /* --- the call itself ------------------------------------------------------------------------- */
 
 static int masks, ins, outs;
@@ -118,27 +114,6 @@ TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
 
 /* --- parameters ------------------------------------------------------------------------------ */
 
-TEST(test_parameters_have_bounds, "DRV-3 HB-2") {
-  struct mc *mc = mock_open(&m, 1);
-  struct mc_param par, good = param_of(mc, 1);
-  const struct {
-    int *member, last, beyond;
-  } cases[] = {{&par.which, 0, -1},       {&par.which, 1, 2},
-               {&par.b0, 1, 0},           {&par.clkdivisor, 1, 0},
-               {&par.clkdivisor, 25, 26}, /* 50 ms: the heartbeats' */
-               {&par.ipole, 0, -1},       {&par.ipole, MC_FSCALE - 1, MC_FSCALE},
-               {&par.ilim, 0, -1},        {&par.ilimax, 0, -1}};
-  for (unsigned i = 0; i < COUNT(cases); i++) {
-    par = good;
-    *cases[i].member = cases[i].beyond;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), -MC_EINVAL);
-    *cases[i].member = cases[i].last;
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-  }
-  call(mc, MSETINTERVAL, 60000); /* a single SCLOCK may last longer */
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &good), 0);
-}
-
 TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6") {
   struct mc *mc = mock_open(&m, 1);
   DEMAND(mc, 70, 80);
@@ -206,17 +181,14 @@ TEST(test_a_shorter_divisor_acts_at_once_a_longer_one_after_its_sample, "SRV-1")
   for (int to = 1; to <= 12; to++) {
     for (int passed = 0; passed < 8; passed++) {
       struct mc *mc = mock_open(&m, 1);
-      struct mc_param par = param_of(mc, 0);
-      par.clkdivisor = 8;
-      set(mc, par);
+      CHANGE(mc, 0, par.clkdivisor = 8);
       while (mc_state_of(mc, 0)->fbnow == mc_state_of(mc, 0)->encnow) { /* right after a sample */
         m.card[0].count[0]++;
         mock_pass(&m);
       }
       while (mc_state_of(mc, 0)->fbnow != mc_state_of(mc, 0)->encnow) mock_pass(&m);
       for (int i = 0; i < passed; i++) mock_pass(&m);
-      par.clkdivisor = to;
-      set(mc, par);
+      CHANGE(mc, 0, par.clkdivisor = to);
       m.card[0].count[0] = 999;
       int due = 7 - passed < to - 1 ? 7 - passed : to - 1;
       for (int i = 0; i < due; i++) {

@@ -261,20 +261,6 @@ static struct mc *enabled(int mode) {
   return mc;
 }
 
-TEST(test_stop_after_sysreset_starts_no_heartbeat, "DRV-9 PAN-2") {
-  struct mc *mc = enabled(MD_OFF);
-  mock_run(&m, 10000);
-  m.pccsr = 0; /* interrupts are off: no pass comes, heartbeats end */
-  mock_run(&m, 60000);
-  CHECK(mock_panic(&m));
-  CHECK_EQ(m.releases, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
-  CHECK(mock_panic(&m));
-  CHECK_EQ(m.releases, 1); /* the brakes did not open once more */
-  CHECK_EQ(m.card[0].b & 2, 0);
-  CHECK_EQ(m.card[0].dac_high[0], 8);
-}
-
 TEST(test_failed_dac_write_is_repaired_or_ends_in_panic, "DRV-7 DRV-9") {
   struct mc *mc = enabled(MD_TORQ);
   DEMAND(mc, 300);

@@ -302,31 +302,6 @@ TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
   CHECK_EQ(m.signals[0], 2);
 }
 
-TEST(test_overload_shuts_down, "SRV-4 DRV-6") {
-  struct mc *mc = mock_open(&m, 1);
-  CHANGE(mc, 0, par.mode = MD_TORQ, par.ilimax = 10);
-  call(mc, MENABLE, 0);
-  DEMAND(mc, 1025);
-  mock_run(&m, 20000);
-  CHECK_EQ(errcode_of(&m, 0), 0);
-  mock_run(&m, 4000);
-  CHECK_EQ(errcode_of(&m, 0), MERR_ILIM);
-  CHECK_EQ(mock_dac(&m, 0), 0x800);
-}
-
-TEST(test_lost_card, "DRV-7 DRV-12") {
-  struct mc *mc = mock_open(&m, 2);
-  int32_t before;
-  call(mc, MENABLE, 0);
-  mock_run(&m, 10000);
-  before = mc_state_of(mc, 2)->encnow;
-  m.card[1].present = 0;
-  mock_run(&m, 2100);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
-  CHECK_EQ(mc_state_of(mc, 2)->encnow, before); /* the sample of 0xFFs is discarded */
-  CHECK(strstr(m.last_log, "card 1 does not answer") != NULL);
-}
-
 TEST(test_slow_interval_panics, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   call(mc, MSETINTERVAL, 80000);

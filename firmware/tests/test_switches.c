@@ -84,15 +84,9 @@ TEST(test_setting_an_encoder_is_no_movement_and_no_crossing, "DRV-10 SRV-6") {
 /* Currents, errors and speeds of axis 0 while it is moved; `renumbered` on the way. */
 static void move_along(int mode, int renumbered, int32_t seen[][3]) {
   struct mc *mc = mock_open(&m, 1);
-  struct mc_param par = param_of(mc, 0);
-  par.mode = mode;
-  par.a0 = 9; /* proportional, derivative, and an integrator */
-  par.a1 = -6;
-  par.a2 = 1;
-  par.b0 = 16;
-  par.b1 = -16;
-  par.adc_b = -2040;
-  CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
+  /* proportional, derivative, and an integrator */
+  CHANGE(mc, 0, par.mode = mode, par.a0 = 9, par.a1 = -6, par.a2 = 1, par.b0 = 16, par.b1 = -16,
+         par.adc_b = -2040);
   call(mc, MENABLE, 0);
   if ((mode & MD_MASK) == MD_POS) DEMAND(mc, 15);
   for (int pass = 0; pass < 20; pass++) {

@@ -189,6 +189,16 @@ class StatsExpect(Strict):
     bus_errors: Count | None = None
 
 
+class QuietExpect(StatsExpect):
+    """Nothing went wrong, as far as the driver's statistics tell; unless given otherwise."""
+
+    kind: Literal["quiet"]
+    missed: Count | None = [0.0, 0.0]
+    overruns: Count | None = [0.0, 0.0]
+    panics: Count | None = [0.0, 0.0]
+    bus_errors: Count | None = [0.0, 0.0]
+
+
 EventKind = Literal["panic", "error", "signal", "fault", "log", "bus", "assert",
                     "missed", "overrun", "spurious"]  # fmt: skip
 
@@ -259,6 +269,7 @@ class HashExpect(Strict):
 Expect = Annotated[
     AxisExpect
     | StatsExpect
+    | QuietExpect
     | EventExpect
     | SignalExpect
     | PhysicsExpect

@@ -42,22 +42,17 @@ start:  move.w  #0x2700, %sr
         jra     3b
 
 | The level is masked by the processor; C saves everything but these.
-servo:  movem.l %d0-%d1/%a0-%a1, -(%sp)
-        jsr     port_servo_interrupt
+        .macro  interrupt function
+        movem.l %d0-%d1/%a0-%a1, -(%sp)
+        jsr     \function
         movem.l (%sp)+, %d0-%d1/%a0-%a1
         rte
-
+        .endm
+servo:  interrupt port_servo_interrupt
 spurious:
-        movem.l %d0-%d1/%a0-%a1, -(%sp)
-        jsr     port_spurious_interrupt
-        movem.l (%sp)+, %d0-%d1/%a0-%a1
-        rte
-
+        interrupt port_spurious_interrupt
 doorbell:
-        movem.l %d0-%d1/%a0-%a1, -(%sp)
-        jsr     port_doorbell_interrupt
-        movem.l (%sp)+, %d0-%d1/%a0-%a1
-        rte
+        interrupt port_doorbell_interrupt
 
 | An access that may fail is one of four instructions, between labels of which %d1 holds the stack
 | pointer; a bus error that finds the program there goes on behind it. Whatever frame the processor

@@ -3,7 +3,6 @@
 cycles are those of the engine's own machine, to the byte."""
 
 import os
-from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -12,31 +11,24 @@ from mmcs import ROOT, Setup, load, run_scenario, simulate, write_setup
 from tools import dpi
 from tools.compiled import compiled, ran, written
 
-CARDS = defaultdict(lambda: 3, lab500=1)
-WHOLE = ["lab500", "puma560", "puma560_coupled"]
 # pins of the machine, lines of encoders and of the bus, the host
 FAULTS = ["fault_estop", "fault_cable", "fault_pc_power", "fault_sysreset", "fault_axis_switch",
           "fault_dip_swapped", "fault_encoder_glitch", "fault_encoder_cut", "fault_bus_errors",
           "fault_bus_error_write", "fault_host_stall", "fault_late_interrupt"]  # fmt: skip
-HELD_LINE = """\
-extends = "arm_move"
-description = "A data line of the VME bus is held low for a while"
-[[event]]
-at = 0.02
-input = "vme_d_stuck0"
-value = 4
-until = 0.022
-[[expect]]
-kind = "stats"
-panics = 0
-"""
-
-
-# The whole shape of a scenario in a tenth of a second: its move, and its step.
+HELD = 'event=[{at = 0.02, input = "vme_d_stuck0", value = 4, until = 0.022}]'
+# By test: a scenario, its cards and what is changed of it. First the whole shape of one in a tenth
+# of a second: its move, and its step.
 BRIEF = {
-    "lab500": ["duration=0.12"],
-    "puma560": ["duration=0.1", "motion.0.duration=0.03", "motion.1.at=0.085"],
-    "fault_estop": ["duration=0.12"],
+    "lab500": ("lab500", 1, "duration=0.12"),
+    "puma560": ("puma560", 3, "duration=0.1", "motion.0.duration=0.03", "motion.1.at=0.085"),
+    "fault_estop": ("fault_estop", 3, "duration=0.12"),
+}
+SLOW = {
+    "lab500 whole": ("lab500", 1),
+    "puma560 whole": ("puma560", 3),
+    "puma560_coupled": ("puma560_coupled", 3),
+    "a data line is held": ("arm_move", 3, "expect=[]", "duration=0.04", HELD),
+    **{f"{name} whole": (name, 3, "expect=[]") for name in FAULTS},
 }
 
 
@@ -45,43 +37,31 @@ def through_dpi(program: Path, setup: Setup, folder: Path):
     return dpi.run(program, folder / "setup.bin", folder, capture_output=True, text=True)
 
 
-def differing(scenario, tmp_path: Path, cards: int, sets: tuple = (), program=None) -> list[str]:
+def differing(name: str, tmp_path: Path, cards: int, sets=(), program=None) -> list[str]:
     """The files of the two ways that are not the same."""
-    setup = load(str(scenario), *sets)
+    setup = load(name, *sets)
     run_scenario(setup, tmp_path / "engine", carry_out=lambda s: simulate(s, bus=True))
     (tmp_path / "dpi").mkdir()
     done = through_dpi(program or dpi.bench(cards), setup, tmp_path / "dpi")
     found = []
-    for name in ("log.csv", "bus.csv"):
-        ours, theirs = (tmp_path / way / name for way in ("engine", "dpi"))
+    for file in ("log.csv", "bus.csv"):
+        ours, theirs = (tmp_path / way / file for way in ("engine", "dpi"))
         assert theirs.is_file(), done.stderr + done.stdout
         assert len(ours.read_bytes().splitlines()) > 30
         if ours.read_bytes() != theirs.read_bytes():
-            found.append(name)
+            found.append(file)
     return found
 
 
 @pytest.mark.req("FW-1", "API-1")
-@pytest.mark.parametrize("scenario", BRIEF)
-def test_log_and_bus_cycles_are_the_engines(tmp_path, scenario):
-    assert differing(scenario, tmp_path, CARDS[scenario], tuple(BRIEF[scenario])) == []
-
-
-@pytest.mark.slow
-@pytest.mark.req("FW-1", "API-1")
-@pytest.mark.parametrize("scenario", WHOLE)
-def test_whole_scenarios_are_the_engines(tmp_path, scenario):
-    assert differing(scenario, tmp_path, CARDS[scenario]) == []
-
-
-@pytest.mark.slow
-@pytest.mark.req("FW-1", "API-1")
-@pytest.mark.parametrize("scenario", FAULTS)
-def test_faults_are_the_engines(tmp_path, scenario):
-    """Until 0.1 s after the last event: the heartbeats end 50 ms after it."""
-    ends = [event.until or event.at for event in load(scenario).scenario.event]
-    sets = ("expect=[]", f"duration={max(ends, default=0.1) + 0.1:g}")
-    assert differing(scenario, tmp_path, 3, sets) == []
+@pytest.mark.parametrize("what", [*BRIEF, *(pytest.param(k, marks=pytest.mark.slow) for k in SLOW)])
+def test_log_and_bus_cycles_are_the_engines(tmp_path, what):
+    """A fault until 0.1 s after its last event: the heartbeats end 50 ms after it."""
+    name, cards, *sets = (BRIEF | SLOW)[what]
+    if name in FAULTS and what in SLOW:
+        ends = [event.until or event.at for event in load(name).scenario.event]
+        sets.append(f"duration={max(ends, default=0.1) + 0.1:g}")
+    assert differing(name, tmp_path, cards, sets) == []
 
 
 @pytest.mark.req("FW-1")
@@ -120,14 +100,6 @@ def test_a_phase_that_moves_is_noticed(tmp_path, phase):
     name = f"c1_{broken.parent.name}"
     program = dpi.bench(1, NAME=name, SOURCES=" ".join([*files, str(broken)]), OPT="-O0")
     assert "bus.csv" in differing("lab500", tmp_path, 1, ("duration=0.06",), program)
-
-
-@pytest.mark.slow
-@pytest.mark.req("FW-1")
-def test_a_line_that_is_held_is_the_engines(tmp_path):
-    file = tmp_path / "held.toml"
-    file.write_text(HELD_LINE)
-    assert differing(file, tmp_path, 3, ("duration=0.04",)) == []
 
 
 @pytest.mark.slow

@@ -143,6 +143,23 @@ def test_what_explodes_is_refused(motor, link, why):
         machines.made(library, *arguments)
 
 
+IMPOSSIBLE = [
+    ({"inertia": 0}, "inertia"), ({"km": -1}, "km"), ({"resistance": 0}, "resistance"),
+    ({"gear": 0}, "gear"), ({"viscous": -1}, "viscous"), ({"coulomb_pos": 1}, "stiction"),
+    ({"counts_per_rev": 10}, "counts_per_rev"), ({"index_per_rev": 2}, "index_per_rev"),
+    ({"backlash": 0.1}, "backlash"), ({"stiffness": 1}, "load_inertia"),
+    ({"stiffness": 1e9, "load_inertia": 1}, "coupling"),
+    ({"stop_lo": 1, "stop_hi": 2}, "angle0"), ({"amp_tau": math.nan}, "amp_tau"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "name"), IMPOSSIBLE)
+def test_impossible_parameters_are_refused_by_name(change, name):
+    motor, alone = flexible(stiffness=0.0, damping=0.0) | change, CONFIG | {"axes": 1, "links": 0}
+    with pytest.raises(RunError, match=f"axis 0: .*{name}"):
+        machines.made(ensure_library(1, "speed"), alone, [motor])
+
+
 @pytest.mark.parametrize(("inertia", "body"), [
     ([0.01, 0.02, 0.03, 0, 0, 0], True),  # a plate
     ([0.01, 0.02, 0.031, 0, 0, 0], False),

@@ -23,22 +23,25 @@ mmcs_motor wheel(int counts_per_rev = 1000) {
   return m;
 }
 
-// Brings it to about `speed` rad/s, then coasts.
-void push(Plant &plant, double speed, bench::Counter &counter) {
+// Steps at so many volts; `seen` is called with each edge and the number of its clock.
+template <typename Seen>
+void drive(Plant &plant, double volts, int steps, Seen seen) {
   std::vector<PinEdge> edges;
-  const double volts = speed > 0 ? 10.0 : -10.0;
-  while (std::abs(plant.velocity(0)) < std::abs(speed)) {
+  for (int64_t k = 0; k < steps; ++k) {
     plant.step(&volts, true, true, edges);
-    counter.take(edges);
+    for (const PinEdge &e : edges) seen(e, k * bench::kClks + e.clk);
   }
 }
 
 void coast(Plant &plant, bench::Counter &counter, int steps) {
-  std::vector<PinEdge> edges;
-  const double off = 0.0;
-  for (int k = 0; k < steps; ++k) {
-    plant.step(&off, true, true, edges);
-    counter.take(edges);
+  drive(plant, 0.0, steps, [&](const PinEdge &e, int64_t) { counter.take({e}); });
+}
+
+// Brings it to about `speed` rad/s.
+void push(Plant &plant, double speed, bench::Counter &counter) {
+  while (std::abs(plant.velocity(0)) < std::abs(speed)) {
+    drive(plant, speed > 0 ? 10.0 : -10.0, 1,
+          [&](const PinEdge &e, int64_t) { counter.take({e}); });
   }
 }
 
@@ -49,25 +52,17 @@ TEST(edges_fall_on_the_clock_of_the_angle) {
     auto plant = bench::alone(wheel());
     bench::Counter counter(*plant);
     push(*plant, speed, counter);
-    std::vector<PinEdge> edges;
-    const double off = 0.0;
     // Clocks between edges of a wheel at constant speed.
     const double want =
         2 * M_PI / 1000 / std::abs(plant->velocity(0)) / bench::kStepS * bench::kClks;
     int64_t last = -1;
     int seen = 0;
-    for (int64_t k = 0; k < 4000; ++k) {
-      plant->step(&off, true, true, edges);
-      for (const auto &e : edges) {
-        const int64_t clk = k * bench::kClks + e.clk;
-        if (last >= 0) {
-          CHECK(std::abs(static_cast<double>(clk - last) - want) <= 1.0,
-                "%lld clocks between edges, want %g", static_cast<long long>(clk - last), want);
-        }
-        last = clk;
-        ++seen;
-      }
-    }
+    drive(*plant, 0.0, 4000, [&](const PinEdge &, int64_t clk) {
+      CHECK(last < 0 || std::abs(static_cast<double>(clk - last) - want) <= 1.0,
+            "%lld clocks between edges, want %g", static_cast<long long>(clk - last), want);
+      last = clk;
+      ++seen;
+    });
     CHECK(std::abs(seen - 4000 * bench::kClks / want) < 2, "%d edges", seen);
   }
 }
@@ -133,19 +128,14 @@ TEST(index_once_per_revolution_one_state_wide) {
   auto plant = bench::alone(wheel());
   bench::Counter counter(*plant);
   push(*plant, 100.0, counter);
-  std::vector<PinEdge> edges;
-  const double off = 0.0;
   int high = 0;
   int revolutions = 0;
-  for (int k = 0; k < 20000; ++k) {
-    plant->step(&off, true, true, edges);
-    for (const auto &e : edges) {
-      high = e.i != 0 ? high + 1 : 0;
-      revolutions += e.i;
-      CHECK(high <= 1, "index spans two states");
-      CHECK(e.i == 0 || (e.a == 0 && e.b == 0), "index outside of state 00");
-    }
-  }
+  drive(*plant, 0.0, 20000, [&](const PinEdge &e, int64_t) {
+    high = e.i != 0 ? high + 1 : 0;
+    revolutions += e.i;
+    CHECK(high <= 1, "index spans two states");
+    CHECK(e.i == 0 || (e.a == 0 && e.b == 0), "index outside of state 00");
+  });
   CHECK(revolutions >= 15, "%d revolutions", revolutions);
 }
 
@@ -187,9 +177,7 @@ TEST(cut_wires_stop_the_count) {
 TEST(swapped_wires_count_backwards) {
   auto plant = bench::alone(wheel());
   plant->set_input(input("encoder_swap"), 0, 1.0);
-  std::vector<PinEdge> edges;
-  const double off = 0.0;
-  plant->step(&off, true, true, edges);
+  bench::run(*plant, 0.0, bench::kStepS);
   bench::Counter counter(*plant);
   push(*plant, 50.0, counter);
   coast(*plant, counter, 400);
@@ -202,13 +190,9 @@ TEST(glitches_come_at_their_rate_and_by_seed) {
     auto plant = bench::alone(wheel(), seed);
     plant->set_input(input("encoder_glitch"), 0, 1000.0);
     plant->set_input(input("index_glitch"), 0, 200.0);
-    std::vector<PinEdge> edges;
-    std::vector<int> all;
-    const double off = 0.0;
-    for (int k = 0; k < 20000; ++k) {
-      plant->step(&off, true, true, edges);
-      for (const auto &e : edges) all.push_back(k * 400 + e.clk + 1000000000 * e.i);
-    }
+    std::vector<int64_t> all;
+    drive(*plant, 0.0, 20000,
+          [&](const PinEdge &e, int64_t clk) { all.push_back(clk + 1000000000 * e.i); });
     return all;
   };
   const auto a = edges_of(1);

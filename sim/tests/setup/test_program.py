@@ -10,10 +10,17 @@ import sys
 import pytest
 
 from mmcs import ROOT
-from tools.compiled import compiled, ran
+from tools.compiled import compiled, ran, written
 
 EXAMPLES = ROOT / "firmware" / "examples"
 OLD = ["-std=gnu89", "-w"]  # of a program of 1989
+TIMERS = """
+#include <sys/time.h>
+int main(void) {
+  struct itimerval every = {{1, 0}, {1, 0}};
+  return setitimer(ITIMER_REAL, &every, 0);
+}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -34,8 +41,9 @@ def programs(tmp_path_factory, **env):
     flags = ran(*words, "--cflags", "--libs", check=True,
                 env={**os.environ, **env}).stdout.split()  # fmt: skip
 
-    def build(name: str, *more: str):
+    def build(name: str, *more: str, text: str = ""):
         source, made = EXAMPLES / f"{name}.c", folder / name
+        source = written(f"{name}.c", text) if text else source
         subprocess.run(["cc", *more, source, *flags, "-lm", "-o", made], check=True)
         return made
 
@@ -60,11 +68,10 @@ def exec_of(name: str, more: list[str]) -> list:
 
 
 @pytest.mark.req("API-1")
-@pytest.mark.parametrize("name", ["threads", "timer"])
+@pytest.mark.parametrize("name", ["threads", "timers"])
 def test_what_is_for_the_server_says_so(program, name):
-    done = ran(program(name))
-    what = name.rstrip("s") + "s"
-    told = f"a program with {what} needs `mmcs exec`: this one is linked with its machine"
+    done = ran(program(name, text=TIMERS if name == "timers" else ""))
+    told = f"a program with {name} needs `mmcs exec`: this one is linked with its machine"
     assert (done.returncode, done.stderr) == (2, f"mmcs: {told}\n")
 
 
