@@ -260,25 +260,31 @@ TEST(test_an_axis_led_by_its_converter_and_a_calibration_exclude_each_other, "DR
   }
 }
 
-TEST(test_a_stop_gives_calibrations_up, "DRV-8 DRV-9") {
-  for (int how = 0; how < 3; how++) {
+TEST(test_a_stop_gives_calibrations_up_an_error_does_not, "DRV-6 DRV-8 DRV-9") {
+  for (int how = 0; how < 4; how++) {
     for (int enabled = 0; enabled < 2; enabled++) {
       struct mc *mc = mock_open(&m, 2);
-      int monitor = mc_open(mc, MC_O_RDONLY);
+      int monitor = mc_open(mc, MC_O_RDONLY), error = how == 3 && enabled;
+      set_mode_within_100(mc, 3, MD_POS | POSCHK);
       if (enabled) CHECK_EQ(enable(mc), 0);
       call(mc, MCALIB, 1);
       call(mc, MCALIB, 2);
       mock_run(&m, 5000);
       CHECK(m.card[0].b & 0x10);
-      CHECK_EQ(how == 0   ? mc_ioctl(mc, 0, MSTOP, NULL)
-               : how == 1 ? mc_halt(mc)
-                          : mc_close(mc, 0),
-               0);
-      for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, 5);
+      if (how == 0) call(mc, MSTOP, 0);
+      if (how == 1) CHECK_EQ(mc_halt(mc), 0);
+      if (how == 2) CHECK_EQ(mc_close(mc, 0), 0);
+      if (how == 3) m.card[1].count[1] = 101;
+      mock_run(&m, 10000);
+      CHECK_EQ(mc_is_enabled(mc), 0);
+      for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, how == 3 ? 0x11 : 5);
       pass_index(&m, 1, 50);
       pass_index(&m, 2, 60);
       mock_run(&m, 10000);
-      for (int axis = 0; axis < 4; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
+      CHECK_EQ(errcode_of(&m, 0), 0);
+      CHECK_EQ(errcode_of(&m, 1), how == 3 ? 50 << 16 | 1 << 8 | MERR_ZINDEX : 0);
+      CHECK_EQ(errcode_of(&m, 2), how == 3 ? 60 << 16 | 2 << 8 | MERR_ZINDEX : 0);
+      CHECK_EQ(errcode_of(&m, 3), error ? 3 << 8 | MERR_PHI : 0);
       struct mc_state state;
       CHECK_EQ(mc_read(mc, monitor, &state, 28), 28);
     }

@@ -119,6 +119,13 @@ TEST(test_the_first_pass_is_a_sample_of_all_axes, "DRV-2 SRV-1") {
   }
 }
 
+/* These axes, the upper two upward and the others downward. */
+static void move_all(unsigned axes, int by) {
+  for (unsigned axis = 0; axis < 4; axis++) {
+    if (axes >> axis & 1) m.card[axis / 2].count[axis & 1] = (uint16_t)(axis & 2 ? by : -by);
+  }
+}
+
 /* An event on any axis, in any order, is told once, if anybody wants to hear it, shuts down once,
  * and stays with its axis. */
 TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
@@ -126,16 +133,14 @@ TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
     for (int soft = 0; soft < 2; soft++) {
       struct mc *mc = listening(2);
       int lines = 0, say = (int)crossed & 3; /* M_VERBOSE, M_ERRORPRINT */
+      int monitor = mc_open(mc, MC_O_RDONLY);
       for (int axis = 0; axis < 4; axis++) {
         set_mode_within_100(mc, axis, MD_POS | POSCHK | (soft ? SOFTERR : 0));
       }
       CHECK_EQ(enable(mc), 0);
       call(mc, MSETVERBOSITY, say);
       said[0] = 0;
-      for (int axis = 0; axis < 4; axis++) {
-        if (crossed >> axis & 1)
-          m.card[axis / 2].count[axis & 1] = (uint16_t)(axis & 2 ? 101 : -101);
-      }
+      move_all(crossed, 101);
       mock_pass(&m);
       for (int axis = 0; axis < 4; axis++) {
         int flag = axis & 2 ? MERR_PHI : MERR_PLO;
@@ -145,13 +150,32 @@ TEST(test_events_of_any_axis, "DRV-5 DRV-6") {
         strcat(text, axis & 2 ? ": high position limit\n" : ": low position limit\n");
         CHECK_EQ(strstr(said, text) != NULL, (crossed >> axis & 1) && say != 0);
       }
-      for (int axis = 0; axis < 4 && soft; axis++) m.card[axis / 2].count[axis & 1] = 0;
-      mock_pass(&m); /* back within the limits, which is no event */
+      move_all(crossed, soft ? 0 : 101); /* within the limits again: no event */
+      mock_pass(&m);
       for (const char *at = said; (at = strchr(at, '\n')) != NULL; at++) lines++;
       CHECK_EQ(lines, say != 0 ? __builtin_popcount(crossed) : 0);
+      for (int card = 0; card < 2; card++) CHECK_EQ(m.card[card].b, soft ? 7 : 5);
       CHECK_EQ(m.signals[0], 1);
-      CHECK_EQ(m.card[0].b, soft ? 7 : 5);
-      CHECK_EQ(m.card[1].b, soft ? 7 : 5);
+      CHECK_EQ(m.signals[monitor], 0);
+      mock_run(&m, 60000);
+      CHECK_EQ(mock_panic(&m), !soft);
+      CHECK_EQ(m.signals[0], 1);
+      if (!soft) { /* an error pending does not forbid MENABLE; still outside is a crossing again */
+        CHECK_EQ(enable(mc), -MC_EIO);
+        CHECK_EQ(m.signals[0], 2);
+        move_all(crossed, 0);
+        CHECK_EQ(enable(mc), 0);
+      } else { /* from one limit beyond the other */
+        move_all(crossed, 101);
+        mock_pass(&m);
+        move_all(crossed, -101);
+        mock_pass(&m);
+        CHECK_EQ(m.signals[0], 3);
+      }
+      for (int axis = 0; axis < 4; axis++) { /* sticky */
+        int flags = soft ? MERR_POSLIM : axis & 2 ? MERR_PHI : MERR_PLO;
+        CHECK_EQ(errcode_of(&m, axis), crossed >> axis & 1 ? axis << 8 | flags : 0);
+      }
     }
   }
 }

@@ -207,21 +207,6 @@ TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
   }
 }
 
-TEST(test_an_error_gives_no_calibration_up, "DRV-6 DRV-8") {
-  struct mc *mc = listening(2);
-  int axis = 1;
-  set_mode_within_100(mc, 2, MD_POS | POSCHK);
-  CHECK_EQ(enable(mc), 0);
-  CHECK_EQ(mc_ioctl(mc, 0, MCALIB, &axis), 0);
-  m.card[1].count[0] = 101;
-  mock_run(&m, 70000);
-  CHECK_EQ(mc_is_enabled(mc), 0);
-  m.card[0].latched[axis] = 50;
-  m.card[0].has_latch[axis] = m.card[0].index[axis] = 1;
-  mock_run(&m, 5000);
-  CHECK_EQ(mc_state_of(mc, axis)->errcode, 50 << 16 | axis << 8 | MERR_ZINDEX);
-}
-
 /* What the law has prepared is of the mode that a stop leaves, no less: else each sample after it
  * is in 64 bits, and on a 68020 too long. */
 TEST(test_a_stop_prepares_what_a_mode_of_off_has, "DRV-9 SRV-1") {
@@ -262,44 +247,6 @@ TEST(test_enable_opens_brakes_with_the_servo, "DRV-9") {
   CHECK_EQ(mock_dac(&m, 0), 0x800);
   CHECK_EQ(m.card[2].b, 7);
   CHECK_EQ(m.pccsr, 0xF8);
-}
-
-TEST(test_limit_without_softerr_shuts_down, "DRV-5 DRV-6") {
-  struct mc *mc = mock_open(&m, 1);
-  set_mode_within_100(mc, 0, MD_POS | POSCHK);
-  int monitor = mc_open(mc, MC_O_RDONLY);
-  call(mc, MENABLE, 0);
-  m.card[0].count[0] = 101;
-  mock_run(&m, 2100);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PHI);
-  CHECK_EQ(m.signals[0], 1);
-  CHECK_EQ(m.signals[monitor], 0);
-  CHECK_EQ(mock_dac(&m, 0), 0x800);
-  mock_run(&m, 60000);
-  CHECK(mock_panic(&m));
-  CHECK_EQ(m.signals[0], 1);
-  CHECK_EQ(errcode_of(&m, 1), 0);
-  /* An error pending does not forbid it; but the axis is still outside: a crossing again. */
-  CHECK_EQ(enable(mc), -MC_EIO);
-  CHECK_EQ(m.signals[0], 2);
-  m.card[0].count[0] = 99;
-  call(mc, MENABLE, 0);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PHI); /* sticky */
-}
-
-TEST(test_softerr_reports_crossings_only, "DRV-5 DRV-6") {
-  struct mc *mc = mock_open(&m, 1);
-  set_mode_within_100(mc, 1, MD_POS | POSCHK | SOFTERR);
-  call(mc, MENABLE, 0);
-  m.card[0].count[1] = (uint16_t)-101;
-  mock_run(&m, 20000);
-  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PLO);
-  CHECK_EQ(m.signals[0], 1);
-  CHECK(!mock_panic(&m));
-  m.card[0].count[1] = 101; /* from one limit beyond the other */
-  mock_run(&m, 2100);
-  CHECK_EQ(errcode_of(&m, 1), 0x100 | MERR_PLO | MERR_PHI);
-  CHECK_EQ(m.signals[0], 2);
 }
 
 TEST(test_slow_interval_panics, "DRV-9") {

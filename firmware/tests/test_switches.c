@@ -184,28 +184,6 @@ TEST(test_double_buffering, "DRV-12") {
   CHECK_EQ(m.card[0].b, 0x0F); /* but again as asked for */
 }
 
-TEST(test_stop_turns_modes_off_and_leaves_the_switches, "DRV-6 DRV-9") {
-  struct mc *mc = mock_open(&m, 2);
-  struct mc_param par;
-  for (int axis = 0; axis < 4; axis++)
-    set_mode_within_100(mc, axis, MD_POS | POSCHK | SOFTERR | COULCOMP);
-  DEMAND(mc, 1, 2, 3, 4); /* never enabled */
-  mock_run(&m, 4100);
-  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(10 * axis + 5);
-  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
-  mock_run(&m, 2000);
-  for (int axis = 0; axis < 4; axis++) {
-    par.which = axis;
-    CHECK_EQ(mc_ioctl(mc, 0, MGETPARAM, &par), 0);
-    CHECK_EQ(par.mode, MD_OFF | POSCHK | SOFTERR | COULCOMP);
-    CHECK_EQ(mc_setpoint(mc, axis), 0);
-    CHECK_EQ(mc_state_of(mc, axis)->vel, 0); /* histories begin anew */
-    set_mode_within_100(mc, axis, MD_POS);
-  }
-  call(mc, MENABLE, 0);
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_setpoint(mc, axis), 10 * axis + 5);
-}
-
 TEST(test_every_counter_of_the_statistics, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
