@@ -36,11 +36,10 @@ static struct motion_point swing(const struct motion_point *rest, double t) {
 
 int main(void) {
   int knots = (int)(TURNS * TURN_S / EVERY_S + 0.5), next = 0, goes_on = 1;
-  double begin;
   motion_check(motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US), "/dev/mc0");
   motion_check(motion_enable(&m), "MENABLE");
   struct motion_point rest = m.rest;
-  begin = motion_time(&m);
+  double begin = motion_time(&m);
   while (goes_on) {
     struct mc_state state[ROBOT_AXES];
     while (next <= knots && m.used < 4) { /* four knots ahead are enough */

@@ -6,11 +6,7 @@
 #define AXIS_BP 8
 
 void mc_count(int *counter, unsigned by) {
-  if (by < (unsigned)(INT32_MAX - *counter)) {
-    *counter += (int)by;
-  } else {
-    *counter = INT32_MAX;
-  }
+  *counter = by < (unsigned)(INT32_MAX - *counter) ? *counter + (int)by : INT32_MAX;
 }
 
 /* errcode of these flags; the count belongs to MERR_ZINDEX. */

@@ -145,11 +145,3 @@ void hw_write_dacs(struct mc *mc) {
   }
   hw_put_list(mc, mc->list.drive, values, (unsigned)(v - values));
 }
-
-uint8_t hw_heartbeat_bm(int axis) {
-  return (axis & 1) != 0 ? MMCS_CARD_PPI_C_HEARTBEAT2_bm : MMCS_CARD_PPI_C_HEARTBEAT1_bm;
-}
-
-uint8_t hw_index_bm(int axis) {
-  return (axis & 1) != 0 ? MMCS_CARD_PPI_C_INDEX2_bm : MMCS_CARD_PPI_C_INDEX1_bm;
-}

@@ -101,8 +101,9 @@ static int enter(struct mc *mc) {
 }
 
 /* An SCLOCK rose while the cards were read: no sample. 1: an axis was due and gets no current; it
- * stays due. Axes that are off hold what they have. */
-static int skip_sample(struct mc *mc) {
+ * stays due. Axes that are off hold what they have. Heartbeats follow the servo: what should have
+ * computed and did not keeps none of them alive. */
+static int skip_pass(struct mc *mc) {
   int due = 0;
   for (int axis = 0; axis < mc->axes; axis++) {
     struct mc_axis *x = &mc->axis[axis];
@@ -112,12 +113,7 @@ static int skip_sample(struct mc *mc) {
       due = 1;
     }
   }
-  return due;
-}
-
-/* Heartbeats follow the servo: what should have computed and did not keeps none of them alive. */
-static int skip_pass(struct mc *mc) {
-  if (!skip_sample(mc) || mc->power != MC_RUNNING) return 0;
+  if (!due || mc->power != MC_RUNNING) return 0;
   if ((uint64_t)mc->skipped * mc->interval_us >= MC_SKIP_US) {
     power_trip(mc, MCAUSE_LATE, "PANIC: passes outlast SCLOCK, no servo sample for 25 ms");
   }

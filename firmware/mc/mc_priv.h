@@ -164,8 +164,9 @@ int hw_answers(struct mc *mc, int card);
 uint16_t hw_counter(struct mc *mc, int axis);
 /* All, in the order of such writes. */
 void hw_write_dacs(struct mc *mc);
-uint8_t hw_heartbeat_bm(int axis);
-uint8_t hw_index_bm(int axis);
+/* Bits of port C, which has those of joint 2 two places above those of joint 1. */
+#define HEARTBEAT_BM(axis) (MMCS_CARD_PPI_C_HEARTBEAT1_bm << 2 * ((axis) & 1))
+#define INDEX_BM(axis) (MMCS_CARD_PPI_C_INDEX1_bm << 2 * ((axis) & 1))
 
 /* scan.c */
 void mc_scan(struct mc *mc);

@@ -32,8 +32,7 @@ static int write_zeros(struct mc *mc, const uint8_t *port_c) {
   const uint16_t *of = mc->list.drive; /* low byte and high byte of each axis */
   unsigned n = 0, axes = (unsigned)mc->axes;
   for (int axis = 0; axis < mc->axes; axis++, of += 2) {
-    if (mc->power == MC_RUNNING && port_c != NULL &&
-        (port_c[axis / 2] & hw_heartbeat_bm(axis)) != 0) {
+    if (mc->power == MC_RUNNING && port_c != NULL && (port_c[axis / 2] & HEARTBEAT_BM(axis)) != 0) {
       offsets[n] = of[0];
       values[n++] = MC_DAC_ZERO & 0xFF;
     }
@@ -121,7 +120,7 @@ static void blame_panic(struct mc *mc, const uint8_t *port_c, const uint8_t *dea
       if ((axis & 1) != 0) continue;
       if (aloud) text_log(mc, "PANIC: card", mc->card[card].dip, " does not answer");
       if (silent++ == 0) gone = mc->card[card].dip;
-    } else if ((port_c[card] & hw_heartbeat_bm(axis)) == 0) {
+    } else if ((port_c[card] & HEARTBEAT_BM(axis)) == 0) {
       if (aloud) text_log(mc, "PANIC: axis", axis, " has no heartbeat");
       if (first < 0) first = axis;
     }
@@ -242,7 +241,7 @@ static int check_first_pass(struct mc *mc) {
 static int check_heartbeats(struct mc *mc) {
   for (int axis = 0; axis < mc->axes; axis++) {
     uint8_t c = hw_card_get(mc, axis / 2, MMCS_CARD_PPI_C);
-    if ((c & hw_heartbeat_bm(axis)) != 0) continue;
+    if ((c & HEARTBEAT_BM(axis)) != 0) continue;
     text_log(mc, "enable: axis", axis, " has no heartbeat");
     return -MC_EIO;
   }
