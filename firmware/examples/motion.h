@@ -258,8 +258,7 @@ static inline int motion_run(struct motion *m) {
 
 /* --- profiles: all joints begin and end together, each within `share` of its limits --------- */
 
-/* On the straight way from the end of the buffer: so far, at this speed and with this acceleration
- * of the whole. */
+/* A knot on the straight way: so much of it, at this speed and acceleration of the whole. */
 struct motion_part {
   double time, way, speed, rise;
 };
