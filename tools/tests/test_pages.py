@@ -4,6 +4,7 @@ runs: each row says when, of which commit, what was run, what came, and of what 
 
 import datetime
 import re
+import sys
 
 import pytest
 
@@ -134,3 +135,9 @@ BAD = (
 def test_a_row_that_is_not(row):
     good = f"| 2026-11-22 | 0123abc | `make x` | 12 of 12 {OF} |"
     assert faults(f"{HEAD}{good}\n{row}\n\nmore") == [row]
+
+
+@pytest.mark.slow  # twelve simulations
+def test_the_diagrams_are_fresh():
+    done = ran(sys.executable, "tools/wavegen.py", "--check")
+    assert done.returncode == 0, done.stdout + done.stderr
