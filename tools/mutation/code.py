@@ -43,8 +43,8 @@ SUITES = {
 PAGE = ("engine/record", "params", "recording", "registers", "samples", "status", "trigger",
         "units", "wave_data")  # fmt: skip
 SUITES |= {f"web/{name}.js": "mmcs/tests/test_tool.py::test_the_pages_logic" for name in PAGE}
-RULES = {"py": ["universal.rules", "python.rules"],
-         "js": ["universal.rules", "c_like.rules", "javascript.rules"]}  # fmt: skip
+# javascript.rules write false over the end of a name
+RULES = {"py": ["universal.rules", "python.rules"], "js": ["universal.rules", "c_like.rules"]}
 C_RULES = ["universal.rules", "c_like.rules", "cpp.rules"]
 IGNORED = [r"^\s*(//|/?\*+ |#|_Static_assert|static_assert)", r"text_log\(", r"^(import|from) "]
 EACH, LEAST, CPU_S = 2, 0.6, 200
