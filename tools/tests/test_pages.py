@@ -98,8 +98,6 @@ def test_the_book_shows_the_machine_only_where_it_has_been_built(monkeypatch, tm
     assert "web/live.html?demo=panic" in book.chapter("<!-- live: panic -->", page, set())
 
 
-# --- tables of runs ------------------------------------------------------------------------------
-
 HEAD = "| date | commit | run | result |\n|---|---|---|---|\n"
 
 
