@@ -23,7 +23,7 @@ struct request {
 
 #define SIZE_OF(code) ((code) >> 16 & 0x1FFFu)
 
-_Static_assert(SIZE_OF(MGETPARAM) == sizeof(struct mc_param), "mcdef.h: MC_PARAM");
+_Static_assert(SIZE_OF(MGETPARAM) == sizeof(struct mc_param), "mcdef.h: length MC_PARAM");
 _Static_assert(SIZE_OF(MGETSTATS) == sizeof(struct mc_stats), "mcdef.h: MC_STATS");
 _Static_assert(SIZE_OF(MSETENC) == sizeof(int), "mcdef.h: MC_INT");
 _Static_assert(SIZE_OF(MSETPOINT) == sizeof(struct mmcs_setpoint), "sys/mmcs.h: MSETPOINT");
