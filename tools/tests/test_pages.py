@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of pages that programs write: replaced whole, the rest untouched, marks needed. Tables of
-runs: each row says when, of which commit, what was run, what came, and of what folders."""
+"""Parts of pages that programs write: replaced whole, the rest as it was; whole rows of runs."""
 
 import datetime
 import re

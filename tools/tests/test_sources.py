@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mmcs.core is the one list: of the testbench's files, of what each chip is made of, and of what
-slang, a second opinion of the language, is given."""
+"""mmcs.core is the one list: of the testbench's files, of each chip's, of what slang is given."""
 
 from pathlib import Path
 
