@@ -32,7 +32,9 @@ def _text() -> str:
     return re.sub(r"/\*.*?\*/", "", HEADER.read_text() + EXTRA.read_text(), flags=re.S)
 
 
-ABI = [ROOT / "sim" / "abi" / name for name in ("mmcs_sim.h", "mmcs_service.h", "mmcs_setup.h")]
+ABI = [ROOT / "sim" / name for name in (
+    "abi/mmcs_sim.h", "abi/mmcs_service.h", "abi/mmcs_setup.h", "device/wire.h", "device/turns.h",
+)]  # fmt: skip
 
 
 SEGMENT_KINDS = [name.lower() for name in re.findall(r"MMCS_SEG_(\w+) =", ABI[0].read_text())]
@@ -49,7 +51,7 @@ def declarations(text: str) -> str:
 
 def structures() -> str:
     """Those of the driver's headers, as C."""
-    return "\n".join(re.findall(r"^struct mc_\w+ \{.*?^\};", _text(), flags=re.S | re.M))
+    return "\n".join(re.findall(r"^struct (?:mc|mmcs)_\w+ \{.*?^\};", _text(), flags=re.S | re.M))
 
 
 @functools.cache

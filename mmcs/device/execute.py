@@ -190,16 +190,19 @@ def _run(command: list[str], env: dict[str, str], step, started=lambda pid: None
     def pass_on(number, _frame):
         if child is None:
             early.append(number)
-        else:
+            return
+        if number in FORWARDED:
             child.send_signal(number)
+        for pid in _descendants(child.pid):  # one that has stopped itself ends when it goes on
+            with contextlib.suppress(OSError):
+                os.kill(pid, signal.SIGCONT)
 
-    before = {n: signal.signal(n, pass_on) for n in FORWARDED}
-    before |= {n: signal.signal(n, lambda *_: None) for n in OF_THE_TERMINAL}
+    before = {n: signal.signal(n, pass_on) for n in (*FORWARDED, *OF_THE_TERMINAL)}
     try:
         child = _start(command, env)
         started(child.pid)
         for number in early:
-            child.send_signal(number)
+            pass_on(number, None)
         while (status := child.poll()) is None or goes_on(child.pid):
             step()
     except BaseException:
@@ -211,6 +214,15 @@ def _run(command: list[str], env: dict[str, str], step, started=lambda pid: None
         for number, handler in before.items():
             signal.signal(number, handler)
     return 128 - status if status < 0 else status
+
+
+def _descendants(pid: int) -> list[int]:
+    found = [pid]
+    for parent in found:
+        with contextlib.suppress(OSError):
+            for children in Path(f"/proc/{parent}/task").glob("*/children"):
+                found += map(int, children.read_text().split())
+    return found
 
 
 def _start(command: list[str], env: dict[str, str]) -> subprocess.Popen:

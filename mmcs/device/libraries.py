@@ -21,13 +21,14 @@ def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
 
 def compiled_library(stem: str, sources: tuple[str, ...], sanitize: bool = False) -> Path:
     library = LIBRARY.with_stem(f"lib{stem.removeprefix('lib')}")
-    headers = ("wire.h", "device.h", "lockstep.h", "include/sys/mmcs.h")
-    inputs = [DEVICE / name for name in (*sources, *headers)]
+    inputs = [DEVICE / name for name in sources]
     inputs += [
-        ROOT / "firmware" / "include" / "sys" / "mmcs.h",
-        ROOT / "sim" / "abi" / "mmcs_sim.h",
-    ]
-    command = ["cc", "-std=gnu11", "-O2", *(DEVICE / name for name in sources)]
+        file for folder in ("sim/device", "sim/device/include/sys", "sim/abi", "firmware/include",
+                            "firmware/include/sys")
+        for file in (ROOT / folder).glob("*.h")
+    ]  # fmt: skip
+    include = f"-I{ROOT / 'firmware' / 'include'}"
+    command = ["cc", "-std=gnu11", "-O2", include, *(DEVICE / name for name in sources)]
     command += ["-ldl", "-lpthread", *([*SANITIZE, "-g"] if sanitize else [])]
     return compiled(library, command, inputs)
 

@@ -69,15 +69,6 @@ class ServedMachine(Serving):
                 return axis
         return 2 * self.cards
 
-    def read(self, client, size: int) -> tuple[int, bytes]:
-        return self.sim.read_bytes(client.driver, size)
-
-    def write(self, client, data: bytes) -> int:
-        before = self.sim.tap_head()[1]
-        result = self.server_write(client, data)
-        self.said = "" if result >= 0 else self.said_since(before)
-        return result
-
     # --- what happens ---
 
     def wrong_values(self, name: str, t: float | None = None) -> dict[int, float]:

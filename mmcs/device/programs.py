@@ -3,6 +3,7 @@
 
 import contextlib
 import errno
+import math
 import os
 import select
 import signal
@@ -14,8 +15,8 @@ from mmcs.device import reasons, wire
 from mmcs.device.connection import Connection
 
 MOST_SAID = 1000  # bytes of why a call was refused
+PAUSED_S = 1.0  # that a request waits for the end of a pause, and it is said
 MANY = 64  # holders of one file before the dead among them are looked for
-USR1_BIT = 1 << (signal.SIGUSR1 - 1)
 
 
 class Holders:
@@ -44,7 +45,7 @@ class Holders:
             try:
                 if not self._is_open_in(pid):
                     self._pids.discard(pid)
-                elif not self._gentle or _catches_usr1(pid):
+                elif not self._gentle or wire.catches(pid, signal.SIGUSR1):
                     signal.pidfd_send_signal(handle, signal.SIGUSR1)
                     told.append(pid)
             except ProcessLookupError:
@@ -54,18 +55,7 @@ class Holders:
         return told
 
     def _is_open_in(self, pid: int) -> bool:
-        try:
-            for entry in os.scandir(f"/proc/{pid}/fd"):
-                with contextlib.suppress(OSError):
-                    if os.readlink(entry.path) == self._target:
-                        return True
-        except OSError:
-            return False
-        return False
-
-
-def _catches_usr1(pid: int) -> bool:
-    return bool(wire.signal_masks(pid, "SigCgt") & USR1_BIT)
+        return self._target in wire.links(pid)
 
 
 class Program(Connection):
@@ -80,12 +70,11 @@ class Program(Connection):
         self.access = 0
         self.holders: Holders | None = None
         self._said = ""  # by the driver, when the last call on this channel failed
-        self._lockstep = server.lockstep
-        self.line = None  # of a thread in lock-step
-        self.calls = 0  # that have come on it
+        self._paused_at: float | None = None  # the clock on the wall when its request met a pause
+        self._turns = server.lockstep
 
     def has_request(self) -> bool:
-        if len(self.data) < wire.REQUEST.size or self.ended:
+        if len(self.data) < wire.REQUEST.size or self.ended or not self.idle():
             return False
         magic, _, _, _, _, length, _ = wire.REQUEST.unpack_from(self.data)
         if magic != wire.MAGIC or length > wire.MAX_DATA:
@@ -99,28 +88,44 @@ class Program(Connection):
 
     def serve(self, nested: bool) -> bool:
         _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self.data)
-        if op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits:
+        waits = op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits
+        if waits:
             now = self._machine.now  # paused: what needs the machine's time waits for the end
             self.held = bool(now.paused and now.target < 0)
-            if nested or self.held:
-                return False
+            if self.held:
+                self._say_paused(a & 0xFFFFFFFF, pid)
+        if self.held or (nested and waits):
+            return False
+        self._paused_at = None
         end = wire.REQUEST.size + length
-        payload = bytes(self.data[wire.REQUEST.size : end])
+        request = bytes(self.data[:end])
         del self.data[:end]
-        self.busy = True
-        if op >= wire.SAMPLE:
-            self.busy = False
-            self._wait_or_tell(op, a, b, payload, pid)
+        if op == wire.LINE and self._turns.on and length in (0, 4):
+            self.ended = True
+            self._server.becomes_line(self, request)
             return True
-        self.calls += 1
-        result, out = self._call(op, name.rstrip(b"\0"), a, b, payload, pid)
+        if op == wire.SAMPLE and not length:
+            self._server.watch(self, pid)
+            return True
+        self.busy = True
+        result, out = self._call(op, name.rstrip(b"\0"), a, b, request[wire.REQUEST.size :], pid)
         self.busy = False
-        if self._lockstep.on:
-            self._lockstep.signal()  # its own is there before the call returns
+        self._server.signal()  # its own is there before the call returns
         self.reply(result, out)
         if op == wire.OPEN and result >= 0:
             self._become_file()
         return True
+
+    def _say_paused(self, request: int, pid: int) -> None:
+        """Once, when it has waited for a while."""
+        now = self._server.listened
+        if self._paused_at is None:
+            self._paused_at = now
+        if now - self._paused_at >= PAUSED_S:
+            self._paused_at = math.inf
+            name = next(n for n, known in mcdef.requests().items() if known.code == request)
+            what = f"{name} waits: the machine is paused, and a tool must let it go on"
+            self._server.say(f"mmcs: {wire.command(pid) or 'a program'} ({pid}): {what}")
 
     def fail(self, why: str) -> None:
         self._said = why
@@ -128,41 +133,6 @@ class Program(Connection):
 
     def reply(self, result: int, out: bytes = b"") -> None:
         self.send(wire.REPLY.pack(result, len(out)) + out)
-
-    def _wait_or_tell(self, op: int, a: int, b: int, payload: bytes, pid: int) -> None:
-        """Samples, and what a line asks: some of it is answered later."""
-        steps, line = self._lockstep, self.line
-        self._write_later()
-        if not wire.well_formed(op, a, b, len(payload)):
-            self.reply(-wire.EINVAL)
-        elif op == wire.SAMPLE:
-            steps.watch(self, pid)
-        elif op == wire.LINE and line is None and steps.on:
-            self.line = steps.open_line(self, a, b, pid)
-            if payload:
-                self.line.process.later.share(pid, *struct.unpack("<i", payload))
-        elif line is None:
-            self.reply(-wire.EINVAL)
-        elif op == wire.LINE:
-            steps.leave(line, says_so=True)
-        elif op == wire.WAIT:
-            steps.wait(line, wire.Wait.of(payload))
-        elif op == wire.CANCEL:
-            steps.cancel(line)
-        elif op == wire.WAKE:
-            self.reply(steps.wake(line, a, b))
-        elif op == wire.TIMER_OP:
-            self.reply(0, steps.timer(line, a, wire.TIMER.unpack(payload) if payload else None))
-        elif op == wire.FIRED_OP:
-            self.reply(0, steps.fired(line))
-        elif op == wire.NOW:
-            self.reply(0, steps.now())
-        else:
-            if op == wire.POKE:
-                steps.signalled([a], wire.pending_signals(a))
-            else:
-                steps.spawn(line, a, bool(b))
-            self.reply(0)
 
     def _become_file(self) -> None:
         """From now on only its end is waited for: bytes that a program writes past the library
@@ -173,18 +143,10 @@ class Program(Connection):
         self.data.clear()
         self.watch(0)
 
-    def _write_later(self) -> None:
-        for name, data in self._lockstep.take_later():
-            if (file := self._files.get(name)) is not None:
-                self._machine.write(file.client, data)
-                self._lockstep.signal()
-
     def leave(self) -> None:
-        self._write_later()
-        if self.line is not None:
-            self._lockstep.leave(self.line)
         if self.client is not None:
             del self._files[self._name]
+            self._turns.closes(self.client)
             self._machine.leave(self.client)
 
     # --- calls ---
@@ -205,7 +167,7 @@ class Program(Connection):
         file.holders.add(pid)
         if op == wire.HOLD:
             return int(file.client.driver < 0) | file.access << 1, b""
-        result, out = self._of_file(file.client, op, a, b, payload)
+        result, out = self._of_file(file.client, op, a, b, payload, name, pid)
         if result < 0:
             self._said = self._machine.said or self._because(file.client, -result, op, a, payload)
         return result, out
@@ -224,15 +186,7 @@ class Program(Connection):
             return reasons.of_write(error, len(payload), joints)
         return reasons.of_ioctl(error, a & 0xFFFFFFFF, payload, joints, 2 * machine.cards)
 
-    def refused(self, client, result: int, request: bytes, events: int) -> None:
-        """A read() or write() that the driver has refused; `events` there had been before."""
-        _, op, _, a, *_ = wire.REQUEST.unpack_from(request)
-        said = self._machine.said_since(events) if op == wire.WRITE else ""
-        self._said = said or self._because(client, -result, op, a, request[wire.REQUEST.size :])
-        self._lockstep.signal()
-        self.reply(result)
-
-    def _of_file(self, client, op: int, a: int, b: int, payload: bytes):
+    def _of_file(self, client, op: int, a: int, b: int, payload: bytes, name: bytes, pid: int):
         machine = self._machine
         machine.said = ""
         if op in (wire.LOAD, wire.STORE):
@@ -247,9 +201,12 @@ class Program(Connection):
         if op == wire.IOCTL:
             return machine.ioctl(client, a & 0xFFFFFFFF, payload)
         if op == wire.READ:
-            return machine.read(client, min(a, wire.MAX_DATA))
+            return self._turns.read_states(pid, client, min(a, wire.MAX_DATA))
         if op == wire.WRITE:
-            return machine.write(client, payload), b""
+            before = self._machine.sim.tap_head()[1]
+            result = self._turns.write(pid, client, name, payload, len(payload))
+            machine.said = "" if result >= 0 else machine.said_since(before)
+            return result, b""
         return self._change(client, a, payload)
 
     def _open(self, device: bytes, flags: int, inode: int, pid: int) -> int:

@@ -11,25 +11,26 @@ import contextlib
 import os
 import resource
 import select
+import signal
 import socket
 import time
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
-from mmcs.device.attend import Attendant, Core
 from mmcs.device.connection import GONE, IN, OUT, Connection
-from mmcs.device.lockstep import Lockstep
 from mmcs.device.machine import ServedMachine
 from mmcs.device.messages import Messenger
 from mmcs.device.pace import IDLE_S, Pace
 from mmcs.device.programs import Program
 from mmcs.device.sockets import Name, peer
 from mmcs.device.stop import StopPath
-from mmcs.engine.sim import Sim
+from mmcs.device.turns import Core, Turns
+from mmcs.device.wire import EIO, NOW_DATA
 
 MOST_CONNECTIONS = 1000
 TURNS = 64  # of lock-step between looks at everything else
+NO_SAMPLE_S = 2.5  # of the machine, until the wait for a sample fails
 SPARE_DESCRIPTORS = 120  # for the stop path, and everything else that the process opens
 
 
@@ -42,7 +43,7 @@ class Server:
         tell of the machine. console: gets the lines that the driver says."""
         self.name = Name(path)
         self.path, self.sim, self.about = path, sim, about or {}
-        self.machine, self._console = ServedMachine(sim, console), console
+        self.machine, self.say = ServedMachine(sim, console), console
         self._hz = sim.build()["clk_hz"]
         self.pace = Pace(sim, self.machine.now, speed)
         self.files: dict[bytes, Program] = {}
@@ -51,13 +52,12 @@ class Server:
         self.advances: tuple[Messenger, object] | None = None  # who lets time pass, and its id
         self._problem: BaseException | None = None
         self._events = 0  # of the tap: signals among them
-        self._listened = time.monotonic()
+        self.listened = time.monotonic()
         self._poll = select.epoll()
-        self.lockstep = Lockstep(sim, self._poll, self._signal, console)
-        self.lockstep.on = lockstep
-        self._core = Core() if lockstep else None
-        quick = lockstep and type(sim) is Sim
-        self._attendant = Attendant(sim, self._poll.fileno()) if quick else None
+        poll = self._poll.fileno()
+        self.lockstep = Turns(self.machine, poll, lockstep, self._signal_now, console)
+        self._core = Core(self.lockstep) if lockstep else None
+        self._watchers: list[tuple[Connection, int]] = []  # for a sample; and the process of each
         self._doors = {}
         for suffix, kind in ((".sock", Program), (".msg", Messenger)):
             door = self.name.listen(suffix)
@@ -75,7 +75,7 @@ class Server:
         for connection in list(self.connections.values()):
             self._hang_up(connection)
         if self._core is not None:
-            self._core.leave(self.lockstep.attached)
+            self._core.leave()
         self.lockstep.close()
         self.name.release()
         self.stop_path.close()
@@ -91,11 +91,11 @@ class Server:
     def step(self) -> None:
         """Answers what has come in, and lets time pass if it is due."""
         if self._core is not None:
-            self._core.share(self.lockstep.attached, self._listened)
+            self._core.share(self.listened)
         if self.stop_path.serve():
             self._send()  # everybody hears of a stop before time goes on
-        elif self.lockstep.on and not self.machine.now.paused and self.advances is None:
-            self._attend()
+        else:
+            self._take_turns()
         self._listen(self._wait())
         for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
             self._hang_up(connection)  # first: whoever closes and then asks has closed
@@ -110,33 +110,12 @@ class Server:
             self._pass_time()
         self._send()
 
-    def _attend(self) -> None:
-        """The usual course of lock-step: the one program that runs is all there is to hear. What
-        else comes, the stop path first of all, ends it."""
-        steps, events = self.lockstep, self._events
-        if self._attendant is not None and self._attendant.attend(self):
-            return
-        for _ in range(TURNS):
-            if not steps.busy:
-                steps.turn()
-            ready = self._poll.poll(IDLE_S) if steps.busy else ()
-            connection = self.connections.get(ready[0][0]) if len(ready) == 1 else None
-            if not isinstance(connection, Program) or ready[0][1] != IN or connection.busy:
-                return
-            connection.receive()
-            if connection.has_request():
-                self._serve(connection)
-            if self._problem is not None or self._events != events or connection.ended:
-                return
-
-    def heard(self, fd: int, data: bytes, ended: bool) -> None:
-        """Bytes of a connection, which somebody else has taken."""
-        connection = self.connections[fd]
-        connection.data += data
-        if ended:
-            connection.end()
-        if connection.has_request():
-            self._serve(connection)
+    def _take_turns(self) -> None:
+        """In lock-step, until something else than a line has to be served."""
+        if self.lockstep.on and not self.machine.now.paused and self.advances is None:
+            end = self.lockstep.run(TURNS, round(IDLE_S * 1000))
+            if end:
+                self._answer_watchers(end == 1)
 
     def _serve(self, connection: Connection, nested: bool = False) -> None:
         with self._unharmed(connection):
@@ -152,14 +131,14 @@ class Server:
             frame = traceback.extract_tb(error.__traceback__)[-1]
             where = f"{Path(frame.filename).name}:{frame.lineno}"
             what = f"{type(error).__name__} at {where}: {str(error)[:200]}"
-            self._console(f"server: a request failed, its connection is closed: {what}")
+            self.say(f"server: a request failed, its connection is closed: {what}")
             connection.busy = False
             connection.fail(f"the server failed at this request ({what}); connection closed")
             connection.end()
 
     def _after(self) -> None:
         """A request has been served."""
-        self._signal()
+        self.signal()
         if self._problem is not None:
             problem, self._problem = self._problem, None
             raise problem
@@ -173,7 +152,7 @@ class Server:
             for connection in list(self.connections.values()):
                 if connection.has_request() and not connection.busy:
                     self._serve(connection, nested=True)
-            self._signal()
+            self.signal()
             self._send()
         except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
             self._problem = problem
@@ -186,7 +165,7 @@ class Server:
         if self.advances is not None:
             return 0.0
         if self.lockstep.on:
-            return IDLE_S if self.lockstep.rests or self.machine.now.paused else 0.0
+            return IDLE_S if self.lockstep.rest() or self.machine.now.paused else 0.0
         if self._rests:
             self.pace.restart()
             return IDLE_S
@@ -201,17 +180,33 @@ class Server:
         if self.advances is not None:
             self._go_on()
         elif self.lockstep.on:
-            if not self.machine.now.paused:
-                self.lockstep.turn()
+            pass  # _take_turns() does
         elif not self._rests and self.pace.is_due():
             self._run(self.sim.time + self.pace.chunk)
 
     def _run(self, until: float) -> None:
         """Not past the next sample, if somebody waits for it."""
         clock, before = round(until * self._hz), self.sim.samples
-        self.sim.run_to(max(clock, self.sim.clock + 1), bool(self.lockstep.watchers))
-        self.pace.passed(bool(self._signal()))
-        self.lockstep.answer_watchers(self.sim.samples != before)
+        self.sim.run_to(max(clock, self.sim.clock + 1), bool(self._watchers))
+        self.pace.passed(bool(self.signal()))
+        self.lockstep.passed(sampled := self.sim.samples != before)
+        if sampled or self.sim.clock > self.lockstep.now.watched:
+            self._answer_watchers(sampled)
+
+    def watch(self, connection: Connection, pid: int) -> None:
+        """It is answered behind the next sample, or with EIO if the servo stands still."""
+        self._watchers.append((connection, pid))
+        self.lockstep.now.watched = self.sim.clock + round(NO_SAMPLE_S * self._hz)
+
+    def _answer_watchers(self, sampled: bool) -> None:
+        watchers, self._watchers, self.lockstep.now.watched = self._watchers, [], 0
+        ns, number = self.sim.clock * 10**9 // self._hz, self.sim.samples & 0xFFFFFFFF
+        for connection, pid in watchers:
+            if sampled:
+                connection.reply(0, NOW_DATA.pack(ns, number, 0))
+            else:
+                connection.reply(-EIO)
+            self.lockstep.look(pid)
 
     def _go_on(self) -> None:
         now, (asker, id_) = self.machine.now, self.advances
@@ -222,14 +217,14 @@ class Server:
 
     def _send(self) -> None:
         now = time.monotonic()
-        self.machine.check(self._listened)
+        self.machine.check(self.listened)
         self.machine.tell_console()
         for connection in self.connections.values():
             if isinstance(connection, Messenger) and not connection.ended:
                 with self._unharmed(connection):
                     connection.stream(now)
 
-    def _signal(self) -> list[int]:
+    def signal(self) -> list[int]:
         """Delivers SIGUSR1 where the driver sent it; the processes that get one."""
         events, sent = self.sim.tap_head()[1], []
         if events == self._events:
@@ -239,20 +234,28 @@ class Server:
             client = file.client
             if client.driver >= 0 and self.sim.signals(client.driver) and client.writes:
                 sent += file.holders.signal()
-        self.lockstep.signalled(sent)
+        for pid in sent:
+            self.lockstep.signalled(pid, 1 << (signal.SIGUSR1 - 1))
         return sent
+
+    def _signal_now(self) -> None:
+        """The same, called from C."""
+        try:
+            self.signal()
+        except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
+            self._problem = problem
 
     # --- connections ---
 
     def _listen(self, wait: float) -> None:
         """Accepts, reads and sends what the sockets are ready for; serves nothing."""
         ready = self._poll.poll(wait)
-        self._listened = time.monotonic()
+        self.listened = time.monotonic()
         for fd, mask in ready:
             if fd in self._doors:
                 while self._accept(*self._doors[fd]):
                     pass
-            elif self.lockstep.heard(fd):
+            elif self.lockstep.on and self.lockstep.hear(fd):
                 pass
             elif connection := self.connections.get(fd):
                 if mask & IN:
@@ -276,16 +279,22 @@ class Server:
             finally:
                 self._spare = os.open("/dev/null", os.O_RDONLY)
             return True
-        if len(self.connections) >= self.most or peer(sock)[1] != os.geteuid():
+        there = len(self.connections) + self.lockstep.now.lines
+        if there >= self.most or peer(sock)[1] != os.geteuid():
             sock.close()
             return True
         # what it asks is heard together with the ends that came before it
         self.connections[sock.fileno()] = kind(sock, self._poll, address, self)
         return True
 
+    def becomes_line(self, connection: Connection, request: bytes) -> None:
+        fd = connection.sock.detach()
+        del self.connections[fd]
+        self.lockstep.line(fd, request)
+
     def _hang_up(self, connection: Connection) -> None:
         del self.connections[connection.sock.fileno()]
         connection.close()
         with self._unharmed(connection):
             connection.leave()
-        self._signal()
+        self.signal()

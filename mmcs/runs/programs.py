@@ -65,12 +65,12 @@ class ProgramSession(Session):
         self._watch(0.0)
         for look in range(1, looks + 1):
             t = duration * look / looks
-            steps.limit = round(t * self.sim.build()["clk_hz"])
-            while self.sim.clock < steps.limit or steps.busy:
+            steps.now.limit = round(t * self.sim.build()["clk_hz"])
+            while self.sim.clock < steps.now.limit or steps.busy():
                 if not any(steps.has(child.pid) for child in children):
-                    return steps.good
+                    return bool(steps.now.good)
                 server.step()
-            if not steps.good:
+            if not steps.now.good:
                 return False
             self._watch(t)
             progress(t)

@@ -9,8 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from mmcs.files import LONGEST_S, short
-from mmcs.runs.programs import absolute
-from mmcs.scenario.setup import Setup, make_setup
+from mmcs.scenario.compiled import absolute, inline
+from mmcs.scenario.load import setup_of
+from mmcs.scenario.setup import Setup
 
 A_DAY_S = 86400.0  # make has not begun longer ago
 
@@ -107,8 +108,8 @@ def run_program(setup: Setup, command: list[str], folder: Path) -> int:
     own = {"motion", "call", "process", "servo"}
     dropped = own | ({"expect"} if setup.scenario.motion or setup.scenario.process else set())
     data = {key: value for key, value in setup.data.items() if key not in dropped}
-    data |= {"program": [{"run": absolute(shlex.join(command), Path.cwd())}]}
-    made = make_setup(setup.path, data | {"duration": LONGEST_S})
+    data |= {"program": [{"run": absolute(shlex.join(command), Path.cwd())}], "duration": LONGEST_S}
+    made = setup_of(setup.path, inline(data, setup.path.parent), setup.files)
     good = run_scenario(made, folder, carry_out=carry_out, stderr=True)
     return statuses[0] or int(not good)
 

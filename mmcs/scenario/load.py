@@ -11,7 +11,7 @@ from mmcs.scenario.files import find, read_scenario, read_toml
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.schema import validate
 from mmcs.scenario.sets import apply_sets
-from mmcs.scenario.setup import make_setup
+from mmcs.scenario.setup import Setup, make_setup
 
 HOSTS = ("native", "m68020")  # as MMCS_HOST_... counts them
 
@@ -45,14 +45,20 @@ def _load_file(path: Path, sets: tuple[str, ...], overrides: dict):
     given = {key: value for key, value in overrides.items() if value is not None}
     data = source["data"]
     apply_sets(data, sets)
-    with tempfile.TemporaryDirectory() as folder:
-        for name, text in source["files"].items():
-            (Path(folder) / name).write_text(text)
-        setup = make_setup(Path(folder) / f"{path.stem}.toml", data | given)
-    setup.path = path
+    setup = setup_of(path, data | given, source["files"])
     setup.host = HOSTS[found["config"][0].host]
     if not sets and not given:
         setup.binary = binary
+    return setup
+
+
+def setup_of(path: Path, data: dict, files: dict[str, str]) -> Setup:
+    """Of a scenario at `path`; files: texts of its robot and tables, by their names in a record."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in files.items():
+            (Path(folder) / name).write_text(text)
+        setup = make_setup(Path(folder) / f"{path.stem}.toml", data)
+    setup.path = path
     return setup
 
 

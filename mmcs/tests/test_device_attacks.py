@@ -229,11 +229,11 @@ def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, wait
     is told and hung up on, the console has a line, others are served."""
     said, client, program = [], Asker(bench.server), Raw(bench)
     assert client.heard(lambda told: b"hello" in told)
-    monkeypatch.setattr(bench.server, "_console", said.append)
+    monkeypatch.setattr(bench.server, "say", said.append)
     fault = lambda *_: 1 // 0  # noqa: E731
     if of == "program":
-        monkeypatch.setattr(bench.server.machine, "read", fault)
-        program._send(program.channel, wire.READ, program.name, 56, 0, b"")
+        monkeypatch.setattr(bench.server.machine, "ioctl", fault)
+        program._send(program.channel, wire.IOCTL, program.name, mcdef.MSTATUS, 0, b"")
     elif of == "message":
         monkeypatch.setattr("mmcs.device.messages.Messenger.do_hello", fault)
         client.post({"op": "hello"})

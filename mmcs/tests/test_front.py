@@ -6,7 +6,6 @@ import importlib
 import json
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -230,7 +229,5 @@ import os
 from mmcs.device.execute import environment
 print(os.environ["OPENBLAS_NUM_THREADS"], environment(mmcs.ROOT).get("OPENBLAS_NUM_THREADS"))
 """
-    said = subprocess.run(
-        [sys.executable, "-c", text], env=env, capture_output=True, text=True, check=True
-    )
+    said = ran(sys.executable, "-c", text, env=env)
     assert said.stdout.split() == ["False", own or "1", str(own)], said.stderr

@@ -2,12 +2,12 @@
 """Lock-step: time passes only while every attached program waits, so that programs repeat."""
 
 import os
+import signal
 import subprocess
 import sys
 
 import pytest
 
-from mmcs.device import lockstep
 from mmcs.device.execute import environment
 from mmcs.device.wire import MWAIT
 from mmcs.tests.device_bench import (
@@ -246,24 +246,20 @@ def test_an_example_runs_alike_on_a_busy_machine(path, tmp_path):
     ("import socket; s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); BEGUN; s.accept()",
      "waits for the outside world"),
     ("BEGUN\nwhile True: pass", "without a call that waits"),
-    ("import mmcs\nd = mmcs.Device()\nd.read(1)\nBEGUN\nwhile True: d.read(1)",
-     "without a call that waits"),
 ])  # fmt: skip
-def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeypatch):
-    monkeypatch.setattr(lockstep, "SILENT_S", 600)  # while Python begins
-    monkeypatch.setattr(lockstep, "OUTSIDE_S", 600)
+def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path):
     here, there = os.pipe()  # that nobody attached has
     said, begun = [], tmp_path / "begun"
     text = text.replace("BEGUN", f"open({str(begun)!r}, 'w').close()")
     with lockstep_server(tmp_path, console=said.append) as server:
         env = environment(server.path, lockstep=True)
         child = subprocess.Popen([*PYTHON, text], env=env, stdin=here)
+        server.lockstep.now.silent_s = server.lockstep.now.outside_s = 600  # while Python begins
         try:
             server.lockstep.expect(child.pid)
             while not begun.exists() and child.poll() is None:
                 server.step()
-            monkeypatch.setattr(lockstep, "SILENT_S", 2)
-            monkeypatch.setattr(lockstep, "OUTSIDE_S", 0.1)
+            server.lockstep.now.silent_s, server.lockstep.now.outside_s = 2, 0.1
             while not any("lock-step" in line for line in said) and child.poll() is None:
                 server.step()
             stood = server.sim.clock
@@ -278,6 +274,175 @@ def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path, monkeyp
             os.close(there)
     assert len([line for line in said if why in line]) == 1, said
     assert "machine time stands still" in said[-1]
+
+
+# What a program of 1989 does, that knows of no MWAIT.
+POLLING = """
+#include <fcntl.h>
+#include <stdio.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+#include "mcdef.h"
+int main(void) {
+  struct mc_stats stats;
+  struct mc_state state;
+  struct timespec began, now;
+  int fd = open("/dev/mc0", O_RDWR), zero = 0, turns;
+  ioctl(fd, MENABLE, &zero);
+  ioctl(fd, MZEROSTATS, &zero);
+  clock_gettime(CLOCK_MONOTONIC, &began);
+  do ioctl(fd, MGETSTATS, &stats);
+  while (stats.total < 20);
+  for (turns = 0; turns < 250; turns++)
+    if (read(fd, &state, sizeof state) != sizeof state) return 1;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  printf("%d %ld\\n", stats.total, (now.tv_nsec - began.tv_nsec) / 1000);
+  return 0;
+}
+"""
+
+
+@pytest.mark.req("DRV-4")
+def test_a_loop_of_calls_that_see_nothing_new_lets_time_pass(tmp_path):
+    """As a loop of poll() does: every hundredth takes 100 us. The same each time."""
+    program = compile_program(written("polling.c", POLLING))
+    runs = {output_in_lockstep(tmp_path, program) for _ in range(3)}
+    ((said, status, _),) = runs
+    assert status == 0 and said.split()[0] == "20" and 38_000 < int(said.split()[1]) < 41_000
+
+
+# A handler installed with SA_RESTART, and one without; the alarm comes in the middle of each wait.
+RESTARTS = """
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <semaphore.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/ioctl.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+#include <sys/mmcs.h>
+#include "mcdef.h"
+static int rang;
+static void ring(int number) { rang += number == SIGALRM; }
+int main(void) {
+  int fd = open("/dev/mc0", O_RDWR), zero = 0, us = 20000, number;
+  sem_t none;
+  sem_init(&none, 0, 0);
+  ioctl(fd, MSETINTERVAL, &us);
+  ioctl(fd, MENABLE, &zero);
+  for (int flags = SA_RESTART; flags >= 0; flags -= SA_RESTART) {
+    struct sigaction action = {.sa_handler = ring, .sa_flags = flags};
+    struct itimerval soon = {.it_value = {0, 1000}};
+    struct timespec until;
+    int result;
+    pid_t child;
+    sigaction(SIGALRM, &action, NULL);
+    rang = 0;
+    setitimer(ITIMER_REAL, &soon, NULL);
+    result = ioctl(fd, MWAIT, &number);
+    printf("%d %d ", result, result < 0 ? errno : 0);
+    fflush(stdout);
+    child = fork();
+    if (child == 0) return usleep(5000);
+    setitimer(ITIMER_REAL, &soon, NULL);
+    result = waitpid(child, NULL, 0) == child;
+    printf("%d %d ", result, result ? 0 : errno);
+    if (!result) waitpid(child, NULL, 0);
+    setitimer(ITIMER_REAL, &soon, NULL);
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += 5000000;
+    until.tv_sec += until.tv_nsec / 1000000000;
+    until.tv_nsec %= 1000000000;
+    result = sem_timedwait(&none, &until);
+    printf("%d %d %d\\n", result, errno == EINTR, rang);
+    fflush(stdout);
+  }
+  return 0;
+}
+"""
+
+
+@pytest.mark.req("DRV-4")
+def test_waits_go_on_under_sa_restart(tmp_path):
+    program = compile_program(written("restarts.c", RESTARTS))
+    said, status, _ = output_in_lockstep(tmp_path, program)
+    assert status == 0 and said.splitlines() == ["0 0 1 0 -1 0 3", "-1 4 0 4 -1 1 3"]
+
+
+LOCKS = """
+#include <fcntl.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+static pthread_mutex_t a = PTHREAD_MUTEX_INITIALIZER, b = PTHREAD_MUTEX_INITIALIZER;
+static void *crossed(void *unused) {
+  pthread_mutex_lock(&b);
+  usleep(1000);
+  pthread_mutex_lock(&a);
+  return unused;
+}
+static void *goes_on(void *unused) {
+  usleep(20000);
+  for (puts("ready"), fflush(stdout);;) usleep(1000);
+  return unused;
+}
+int main(int count, char **words) {
+  pthread_t thread;
+  open("/dev/mc0", O_RDWR);
+  if (count > 1 && strcmp(words[1], "stops") == 0) raise(SIGSTOP);
+  if (count > 1) {
+    pthread_create(&thread, NULL, goes_on, NULL);
+    pthread_exit(NULL);
+  }
+  pthread_mutex_lock(&a);
+  pthread_create(&thread, NULL, crossed, NULL);
+  usleep(5000);
+  pthread_mutex_lock(&b);
+  return 0;
+}
+"""
+LOCKS_IN_PYTHON = """
+import threading
+lock = threading.Lock()
+lock.acquire()
+threading.Thread(target=lock.acquire, daemon=True).start()
+lock.acquire()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
+@pytest.mark.parametrize("what", ["crossed", "python", "stops", "main has ended"])
+def test_every_program_can_be_ended(what, number, tmp_path):
+    """Ctrl-C goes to all of the terminal's processes, SIGTERM to mmcs. And it is said that threads
+    wait for each other."""
+    program = compile_program(written("locks.c", LOCKS))
+    words = {"crossed": [program], "python": [*PYTHON, LOCKS_IN_PYTHON]}.get(what, [program, what])
+    command = [sys.executable, "-m", "mmcs", "exec", "--lockstep", "--scenario", "lab500", "--"]
+    child = subprocess.Popen([*command, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                             text=True, start_new_session=True)  # fmt: skip
+    try:
+        if what == "main has ended":
+            assert child.stdout.readline() == "ready\n"
+        elif what == "stops":
+            while "T" not in subprocess.run(
+                ["ps", "-o", "stat=", "-s", str(child.pid)], capture_output=True, text=True,
+                check=False).stdout:  # fmt: skip
+                assert child.poll() is None
+        else:
+            lines = iter(child.stderr.readline, "")
+            assert any("its threads wait for each other" in line for line in lines)
+        (os.killpg if number == signal.SIGINT else os.kill)(child.pid, number)
+        assert child.wait() == 128 + number
+    finally:
+        child.kill()
+        child.communicate()
 
 
 def test_mwait_without_lockstep(bench):

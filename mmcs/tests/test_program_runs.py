@@ -79,6 +79,20 @@ def test_exec_leaves_results(folder):
     assert call(*words, sys.executable, "-c", "raise SystemExit(7)")[0] == 7
 
 
+def test_exec_takes_a_compiled_set_up(folder):
+    """With and without results: one hash, that of the scenario's."""
+    good(call("compile", folder / "device.toml", "-o", folder / "own.bin"))
+    hashes = set()
+    for name in ("device.toml", "own.bin"):
+        out, words = folder / name[:3], ["exec", "--scenario", folder / name]
+        program = ["--", sys.executable, folder / "step.py", 200]
+        good(call(*words, "--out", out, *program))
+        hashes.add(json.loads((out / "report.json").read_text())["hash"])
+        assert "reproduced" in good(call("replay", out))
+        good(call(*words, "--lockstep", *program))
+    assert len(hashes) == 1
+
+
 def test_exec_replays_expectations_beyond_its_end(folder):
     """They are not met, and the record is one all the same."""
     words = ["exec", "--scenario", folder / "whole.toml", "--out", folder / "out", "--"]

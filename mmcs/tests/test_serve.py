@@ -5,10 +5,13 @@ import socket
 
 import pytest
 
-from mmcs.device import pace
+from mmcs import mcdef
+from mmcs.device import pace, server
 from mmcs.device.sockets import Name
+from mmcs.device.wire import IOCTL
 from mmcs.errors import InputError
 from mmcs.tests.device_bench import Bench, Clock
+from mmcs.tests.raw import Raw
 
 
 def test_socket_is_private_and_the_name_taken_once(mc0):
@@ -81,3 +84,21 @@ def test_real_time_and_standstill(tmp_path, monkeypatch):
         for _ in range(8):
             bench.server.step()
         assert bench.sim.time - simulated <= 1.001 * pace.CHUNK_MAX_S
+
+
+def test_enable_in_a_paused_machine_says_what_it_waits_for(bench, monkeypatch):
+    """Once, after a second."""
+    clock, said, program = Clock(), [], Raw(bench)
+    monkeypatch.setattr(server, "time", clock)
+    monkeypatch.setattr(bench.server, "say", said.append)
+    bench.server.machine.now.paused = True
+    program._send(program.channel, IOCTL, program.name, mcdef.MENABLE, 0, b"")
+    for passes, lines in ((0, 0), (0.9, 0), (0.2, 1), (5, 1)):
+        clock.now += passes
+        for _ in range(2):
+            bench.server.step()
+        assert len(said) == lines
+    assert "MENABLE waits: the machine is paused" in said[0]
+    bench.server.machine.now.paused = False
+    assert program._answer(program.channel) == (0, b"")
+    program.close()

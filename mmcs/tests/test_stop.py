@@ -7,6 +7,7 @@ import struct
 import pytest
 
 from mmcs import mcdef
+from mmcs.device.programs import Program
 from mmcs.device.wire import IOCTL, WRITE
 from mmcs.tests.raw import Raw, holding, stop_line
 
@@ -34,11 +35,8 @@ def test_a_stop_acts_in_the_first_step_that_could_read_it(bench, monkeypatch):
     with stop_line(bench) as line:
         bench.server.step()
         running = sim.snapshot()
-        served = []
-        for name in ("read", "write", "ioctl"):
-            genuine = getattr(machine, name)
-            seen = lambda *a, genuine=genuine: served.append(1) or genuine(*a)  # noqa: E731
-            monkeypatch.setattr(machine, name, seen)
+        served, genuine = [], Program.serve
+        monkeypatch.setattr(Program, "serve", lambda *a: served.append(1) or genuine(*a))
         stopped_at, stop = [], machine.stop
         machine.stop = lambda: stopped_at.append((sim.time, len(served))) or stop()
         for n in range(ROUNDS):

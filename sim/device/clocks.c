@@ -15,7 +15,7 @@
 
 /* The numbers of timers: of alarm() and setitimer(); those with a descriptor begin at FILES. */
 #define ALARM 0
-#define FILES 100000
+#define FILES 64
 
 /* --- clocks ---------------------------------------------------------------------------- */
 

@@ -3,7 +3,36 @@
 #ifndef MMCS_DEVICE_H
 #define MMCS_DEVICE_H
 
+#include <signal.h>
+#include <sys/types.h>
+
 #include "wire.h"
+
+/* wire.c: the client's end. */
+
+/* Opens a device: a descriptor that stands for it, or a negative errno. */
+int wire_open(const char *path, int flags);
+/* The file's name if fd is one of ours (1, name filled), else 0. errno is kept. */
+int wire_is_file(int fd, char name[WIRE_NAME]);
+/* One call. out_length: in: room, out: bytes received, never more. Returns the result; -EIO when
+ * the server is gone or answers nonsense; -EINTR when it answers nothing and a signal was handled.
+ */
+int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
+              uint32_t length, void *out, uint32_t *out_length);
+/* Forgets the parent's channels; call in the child of a fork. */
+void wire_after_fork(void);
+pid_t wire_pid(void);
+/* A connection to the server, or a negative errno; all of some bytes, or of a reply: 0, or less if
+ * it is gone. */
+int wire_connect(int cloexec);
+int wire_send(int fd, const void *data, size_t length);
+int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room);
+/* What a call that takes long lets through, if not all that the program does (lockstep.c). */
+extern const sigset_t *(*wire_late)(const sigset_t *before);
+/* How many calls this process has made: each may have taken machine time. And but for write(). */
+extern unsigned long wire_calls, wire_others;
+/* Before each call, if it is there: its WIRE_ number and `a`. */
+extern void (*wire_first)(uint32_t op, uint64_t a);
 
 /* The C library's own. For who has included <dlfcn.h>. */
 #define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))

@@ -147,16 +147,31 @@ static uint64_t pending(void) {
   return bits_of(&set);
 }
 
-/* Of these signals: will one that is let through be noticed? */
-static int is_heard(uint64_t signals) {
+/* Of these signals: will one that is let through be noticed? Not if its handler lets calls go on
+ * that `restart`. */
+static int is_heard(uint64_t signals, int restart) {
   for (int n = 1; n <= 64; n++) {
     struct sigaction action;
     if ((signals >> (n - 1) & 1) == 0 || sigaction(n, NULL, &action) != 0) continue;
     if (action.sa_handler == SIG_IGN) continue;
-    if (action.sa_handler != SIG_DFL) return 1;
+    if (action.sa_handler != SIG_DFL) {
+      if (!restart || !(action.sa_flags & SA_RESTART)) return 1;
+      continue;
+    }
     if (n != SIGCHLD && n != SIGCONT && n != SIGURG && n != SIGWINCH) return 1;
   }
   return 0;
+}
+
+/* Which of them has come from outside is not known: whether a handler of one ends the call. */
+static int outside_ends(const sigset_t *mask, int restart) {
+  uint64_t handled = 0;
+  for (unsigned n = 0; n < OUTSIDE; n++) {
+    struct sigaction action;
+    if (sigismember(mask, outside[n]) || sigaction(outside[n], NULL, &action) != 0) continue;
+    if (action.sa_handler != SIG_DFL) handled |= UINT64_C(1) << (outside[n] - 1);
+  }
+  return !restart || is_heard(handled, restart);
 }
 
 /* All but what comes from outside and `mask` lets through. */
@@ -186,7 +201,15 @@ static struct {
   char data[32 * 28];
 } ahead;
 
+static __thread unsigned polls; /* such calls since this thread has waited */
+
+void lock_polls(void) {
+  if (lock_on() && ++polls == 100)
+    (void)lock_wait(WAIT_DEAF, lock_now() + 100000, NULL, NULL, 0, NULL, 0);
+}
+
 static int states(const char name[WIRE_NAME], void *data, uint32_t length) {
+  lock_polls();
   int same = ahead.wanted == length && memcmp(ahead.name, name, WIRE_NAME) == 0 && lock_on();
   ahead.read = 1;
   if (same && ahead.length > 0 && ahead.others == wire_others) {
@@ -221,9 +244,10 @@ static int write_later(const char name[WIRE_NAME], const void *data, uint32_t le
 }
 
 /* A call must not overtake it. */
-static void write_first(void) {
+static void write_first(uint32_t op, uint64_t a) {
   struct wire_now now;
   uint32_t room = sizeof(now);
+  if (op == WIRE_IOCTL && (a >> 30 & 3) == 1) lock_polls(); /* its argument only comes out */
   if (later != NULL && later->due && lock_on())
     (void)lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room);
 }
@@ -240,6 +264,7 @@ static int wait_once(const struct wire_wait *head, const int *files, const sigse
   int result;
   ahead.length = 0;
   ahead.read = may_be_later = 0;
+  polls = 0;
   memcpy(data, head, sizeof(*head));
   if (head->files > 0) memcpy(data + sizeof(*head), files, 4 * head->files);
   if (request(WIRE_WAIT, wanted, 0, data, length) < 0) return -EIO;
@@ -253,30 +278,35 @@ static int wait_once(const struct wire_wait *head, const int *files, const sigse
     ahead.others = wire_others;
     memcpy(ahead.data, told.states, ahead.length);
   }
-  return *heard && result >= 0 ? CAUSE_SIGNAL : result;
+  return result;
 }
 
 int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, unsigned count,
               const sigset_t *mask, int keep) {
-  struct wire_wait head = {.until = until, .key = (uint64_t)(uintptr_t)key, .what = what};
+  struct wire_wait head = {.until = until, .key = (uint64_t)(uintptr_t)key};
+  const int restart = (what & LOCK_RESTARTS) != 0;
   sigset_t all, before, meanwhile;
-  int cause, heard = 0, saved = errno;
+  int cause, saved = errno;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   meanwhile = mask != NULL ? *mask : before;
+  head.what = what & ~LOCK_RESTARTS;
   head.mask = bits_of(&meanwhile);
   head.files = count < 64 ? count : 64;
   for (;;) {
     uint64_t come;
+    int heard = 0;
     head.pending = pending();
     cause = (head.pending & ~head.mask) != 0 && !(what & WAIT_DEAF)
                 ? CAUSE_SIGNAL
                 : wait_once(&head, files, &meanwhile, &heard);
+    heard = heard && cause >= 0 && outside_ends(&meanwhile, restart);
+    if (heard) cause = CAUSE_SIGNAL;
     if (cause != CAUSE_SIGNAL || keep) break;
     come = pending() & ~head.mask;
     pthread_sigmask(SIG_SETMASK, &meanwhile, NULL);
     pthread_sigmask(SIG_SETMASK, &all, NULL);
-    if (heard || is_heard(come)) break;
+    if (heard || is_heard(come, restart)) break;
     if (what & (WAIT_FILES | WAIT_CHILD)) { /* what it waits for may have come as well */
       cause = CAUSE_WOKEN;
       break;
@@ -293,7 +323,7 @@ void lock_wake(const void *key, unsigned count) {
 
 static int sample(uint32_t *number) {
   if (!lock_on()) return -EIO;
-  int cause = lock_wait(WAIT_SAMPLE, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
+  int cause = lock_wait(WAIT_SAMPLE | LOCK_RESTARTS, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
   if (cause == CAUSE_SIGNAL) return -EINTR;
   if (cause == CAUSE_LATE) return -EIO;
   *number = now_sample;

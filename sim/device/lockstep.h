@@ -26,6 +26,9 @@
   })
 void lock_find(void **real, const char *name);
 
+/* With `what`: after a signal whose handler was installed with SA_RESTART it goes on. */
+#define LOCK_RESTARTS 0x100u
+
 /* 1: this thread is attached. */
 int lock_on(void);
 uint64_t lock_now(void);
@@ -33,6 +36,9 @@ uint64_t lock_now(void);
  * handled before it returns CAUSE_SIGNAL, unless `keep`: those stay pending. */
 int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, unsigned count,
               const sigset_t *mask, int keep);
+/* A call that asks for what is new. A loop of them waits for something: every hundredth since the
+ * thread has waited takes 100 us, as a hundred do on a computer. */
+void lock_polls(void);
 void lock_wake(const void *key, unsigned count);
 /* A request without data in or out; what does not wait. */
 int lock_tell(uint32_t op, uint64_t a, uint64_t b);

@@ -22,12 +22,19 @@ static unsigned *place_of(const void *key) {
   return &waiting[((uintptr_t)key >> 3) % PLACES];
 }
 
+/* The enum wire_cause. */
+static int sleep_with(const void *key, uint64_t until, unsigned how) {
+  int cause;
+  __atomic_add_fetch(place_of(key), 1, __ATOMIC_SEQ_CST);
+  cause = lock_wait(WAIT_KEY | how, until, key, NULL, 0, NULL, 0);
+  __atomic_sub_fetch(place_of(key), 1, __ATOMIC_SEQ_CST);
+  return cause;
+}
+
 /* 0, or ETIMEDOUT. Signals are handled; who waits goes on waiting. */
 static int wait_for(const void *key, uint64_t until) {
   if (lock_now() >= until) return ETIMEDOUT;
-  __atomic_add_fetch(place_of(key), 1, __ATOMIC_SEQ_CST);
-  (void)lock_wait(WAIT_KEY, until, key, NULL, 0, NULL, 0);
-  __atomic_sub_fetch(place_of(key), 1, __ATOMIC_SEQ_CST);
+  (void)sleep_with(key, until, 0);
   return 0;
 }
 
@@ -151,26 +158,20 @@ static int is_shared(const sem_t *s) {
   return ((const int *)(const void *)s)[2] != 0;
 }
 
-/* It is tried again each time that somebody else has run. */
-static int take_shared(sem_t *s, uint64_t until) {
-  for (unsigned what = WAIT_FILES;; what |= WAIT_AGAIN) {
-    int cause;
-    if (sem_trywait(s) == 0) return 0;
-    if (errno != EAGAIN) return -1;
-    if (lock_now() >= until) break;
-    cause = lock_wait(what, until, NULL, NULL, 0, NULL, 0);
-    if (cause == CAUSE_OUTSIDE) return REAL(sem_wait)(s);
-  }
-  errno = ETIMEDOUT;
-  return -1;
-}
-
+/* A shared one is tried again each time that somebody else has run. Once more after a signal, as a
+ * post may have come with it that woke nobody else. */
 static int take(sem_t *s, uint64_t until) {
-  if (is_shared(s)) return take_shared(s, until);
-  int result = UNTIL_FREE(sem_trywait(s) == 0 ? 0 : errno, EAGAIN, s, until);
-  if (result == 0) return 0;
-  errno = result;
-  return -1;
+  unsigned again = 0;
+  for (int cause = CAUSE_WOKEN; sem_trywait(s) != 0; again = WAIT_AGAIN) {
+    if (errno != EAGAIN) return -1;
+    errno = cause == CAUSE_SIGNAL ? EINTR : ETIMEDOUT;
+    if (cause == CAUSE_SIGNAL || lock_now() >= until) return -1;
+    cause = is_shared(s)
+                ? lock_wait(WAIT_FILES | LOCK_RESTARTS | again, until, NULL, NULL, 0, NULL, 0)
+                : sleep_with(s, until, LOCK_RESTARTS);
+    if (is_shared(s) && cause == CAUSE_OUTSIDE) return REAL(sem_wait)(s);
+  }
+  return 0;
 }
 int sem_wait(sem_t *s) {
   return lock_on() ? take(s, WIRE_NEVER) : REAL(sem_wait)(s);
@@ -255,7 +256,7 @@ int pthread_barrier_wait(pthread_barrier_t *given) {
 
 /* How to ask for a child again: WNOHANG, or 0 where only the world outside can end one; or -1. */
 static int await_child(void) {
-  int cause = lock_wait(WAIT_CHILD, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
+  int cause = lock_wait(WAIT_CHILD | LOCK_RESTARTS, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
   if (cause == CAUSE_SIGNAL) errno = EINTR;
   return cause == CAUSE_SIGNAL ? -1 : cause == CAUSE_OUTSIDE ? 0 : WNOHANG;
 }

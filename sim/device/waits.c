@@ -127,22 +127,16 @@ int kill(pid_t pid, int number) {
   int result = REAL(kill)(pid, number);
   /* SIGSTOP wakes nobody */
   if (result == 0 && number != 0 && number != SIGSTOP && lock_on() && pid != wire_pid())
-    (void)lock_tell(WIRE_POKE, (uint64_t)pid, 0);
+    (void)lock_tell(WIRE_POKE, (uint64_t)pid, (uint64_t)number);
   return result;
 }
 
 /* --- descriptors ----------------------------------------------------------------------- */
 
-/* What has found nothing and was asked to wait for no longer. A loop of such calls waits for
- * something: every hundredth at the same time takes 100 us, as a hundred do on a computer. */
+/* What has found nothing and was asked to wait for no longer. */
 static int is_over(uint64_t until) {
-  static __thread uint64_t last;
-  static __thread unsigned times;
-  uint64_t now = lock_now();
-  if (now < until) return 0;
-  times = now == last ? times + 1 : 1;
-  last = now;
-  if (times == 100) (void)lock_wait(0, now + 100000, NULL, NULL, 0, NULL, 0);
+  if (lock_now() < until) return 0;
+  lock_polls();
   return 1;
 }
 

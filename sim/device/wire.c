@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The client's end of the wire: files and channels (wire.h). */
 #define _GNU_SOURCE
-#include "wire.h"
+#include "device.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -169,7 +169,7 @@ int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room) {
 }
 
 unsigned long wire_calls, wire_others;
-void (*wire_first)(void);
+void (*wire_first)(uint32_t op, uint64_t a);
 
 /* The connection broke; distinct from every errno that the server may answer. */
 #define LOST (-0x10000)
@@ -309,7 +309,7 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
   if (op != WIRE_WRITE) __atomic_add_fetch(&wire_others, 1, __ATOMIC_RELAXED);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (wire_first != NULL) wire_first();
+  if (wire_first != NULL) wire_first(op, a);
   fd = take_channel();
   if (fd >= 0) {
     memcpy(request.name, name, WIRE_NAME);

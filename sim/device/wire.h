@@ -9,19 +9,20 @@
  * to the file when it was bound. Both ends ask the kernel for the user at the other one.
  *
  * All numbers are little-endian, as on the machines that can run this; structures are packed by
- * construction.
+ * construction. Python reads this very file, so it holds plain C declarations only.
  */
 #ifndef MMCS_WIRE_H
 #define MMCS_WIRE_H
 
-#include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
 
-#define WIRE_MAGIC 0x31434D4Du /* "MMC1" */
-#define WIRE_NAME 16
-#define WIRE_MAX 65536u /* most bytes that one call moves either way */
+enum wire_number {
+  WIRE_NAME = 16,
+  WIRE_MAX = 65536,        /* most bytes that one call moves either way */
+  WIRE_TIMERS = 64 + 1024, /* numbers of timers: those behind the first 64 have a descriptor */
+  WIRE_MAGIC = 0x31434D4D  /* "MMC1" */
+};
 
 enum wire_op {
   WIRE_OPEN = 1,    /* on a new file: a = open flags, b = its inode, data = device path */
@@ -46,10 +47,11 @@ enum wire_op {
                        it, as read() would give them */
   WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
-  WIRE_TIMER = 16,  /* a = number, data = struct wire_timer, or none; reply data = what was left */
+  WIRE_TIMER = 16,  /* a = number below WIRE_TIMERS, data = struct wire_timer, or none; reply data =
+                       what was left */
   WIRE_FIRED = 17,  /* reply data = pairs of a timer's descriptor and how often it has run out */
   WIRE_NOW = 18,    /* reply data = struct wire_now */
-  WIRE_POKE = 19,   /* a = pid: this thread has sent it a signal */
+  WIRE_POKE = 19,   /* a = pid, b = signal: this thread has sent it one */
   WIRE_CANCEL = 20, /* on a line that waits: a signal from outside has come. It has no answer */
 };
 
@@ -100,7 +102,12 @@ enum wire_flag {
 struct wire_later {
   uint32_t due, length;
   char name[WIRE_NAME];
-  char data[32 * 4];
+  char data[128]; /* of 32 axes */
+};
+
+/* Of WIRE_FIRED. */
+struct wire_fired {
+  int32_t fd, count;
 };
 
 struct wire_timer {
@@ -128,31 +135,5 @@ struct wire_reply {
 };
 
 enum wire_bus { WIRE_BUS_OK = 0, WIRE_BUS_TIMEOUT = 1, WIRE_BUS_ERROR = 2 };
-
-/* wire.c: the client's end. */
-
-/* Opens a device: a descriptor that stands for it, or a negative errno. */
-int wire_open(const char *path, int flags);
-/* The file's name if fd is one of ours (1, name filled), else 0. errno is kept. */
-int wire_is_file(int fd, char name[WIRE_NAME]);
-/* One call. out_length: in: room, out: bytes received, never more. Returns the result; -EIO when
- * the server is gone or answers nonsense; -EINTR when it answers nothing and a signal was handled.
- */
-int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
-              uint32_t length, void *out, uint32_t *out_length);
-/* Forgets the parent's channels; call in the child of a fork. */
-void wire_after_fork(void);
-pid_t wire_pid(void);
-/* A connection to the server, or a negative errno; all of some bytes, or of a reply: 0, or less if
- * it is gone. */
-int wire_connect(int cloexec);
-int wire_send(int fd, const void *data, size_t length);
-int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room);
-/* What a call that takes long lets through, if not all that the program does (lockstep.c). */
-extern const sigset_t *(*wire_late)(const sigset_t *before);
-/* How many calls this process has made: each may have taken machine time. And but for write(). */
-extern unsigned long wire_calls, wire_others;
-/* Before each call, if it is there. */
-extern void (*wire_first)(void);
 
 #endif

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "driver.h"
-#include "driver_state.h"
 #include "hash.h"
 #include "machine.h"
 #include "motion.h"

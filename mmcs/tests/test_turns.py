@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server's inner loop in C (sim/device/attend.c) serves as the server itself does; its core."""
+"""Lock-step at the server's end (sim/device/turns.h): whoever listens, the run is the same."""
 
-import itertools
 import os
-import struct
 import subprocess
+from types import SimpleNamespace
 
 import pytest
 
-from mmcs.device import wire
-from mmcs.device.attend import Attendant, Core
+from mmcs.device import server, wire
+from mmcs.device.programs import Program
+from mmcs.device.server import Server
+from mmcs.device.turns import Core
 from mmcs.tests.device_bench import EXAMPLES, output_in_lockstep, run_in_lockstep
 from mmcs.tests.test_lockstep import PYTHON, example
 
@@ -104,47 +105,48 @@ show("exec"), ready(), write(58, 68), os.abort()
 """
 
 
+def without_memory(request: bytes) -> bytes:
+    """The request of a line without the memory that the program shares."""
+    *head, _, pid = wire.REQUEST.unpack_from(request)
+    return wire.REQUEST.pack(*head, 0, pid)
+
+
+GENUINE = Server.becomes_line, Program.serve, Server.close
+
+
 @pytest.mark.parametrize("what", [
     "sine.c", "sine.py", "bounce.c", STOPS, READS, WRITES,
 ], ids=["sine.c", "sine.py", "bounce.c", "stops", "reads", "writes"])  # fmt: skip
-def test_the_inner_loop_in_c_serves_as_the_server_does(what, tmp_path, monkeypatch):
-    """With it, without it, in turns: the same output, the same hash."""
+def test_a_run_is_the_same_whoever_listens(what, tmp_path, monkeypatch):
+    """Many turns at once or one at a time; states that come with samples and write()s without an
+    answer, or not: the same output, the same hash."""
     command = [*PYTHON, what] if "\n" in what else example(EXAMPLES / what)
-    attend, served, quiet, runs = Attendant.attend, 0, False, []
-    take, later = wire.Later.take, set()
-    monkeypatch.setattr(wire.Later, "take", lambda self: later.add(due := take(self)) or due)
+    line, serve, close, runs, calls, asked = *GENUINE, [], [], []
 
-    def count(self, server):
-        nonlocal served, quiet
-        took = attend(self, server)
-        quiet = quiet or self._a.quiet >= 0  # so that states came with samples
-        served += self._a.waits if took else 0
-        return took
+    def count(self):
+        asked.append((self.lockstep.now.requests + len(calls), self.sim.samples))
+        close(self)
 
-    turns = itertools.cycle((0, 0, 1))
-    sometimes = lambda self, server: next(turns) and attend(self, server)  # noqa: E731
-    for quick in (count, lambda self, server: False, sometimes, attend):
-        monkeypatch.setattr(Attendant, "attend", quick)
-        for loop in ("attend", "server"):
-            monkeypatch.setattr(f"mmcs.device.{loop}.TURNS", 1 if quick is sometimes else 64)
-        if quick is attend:  # without memory that the program shares
-            monkeypatch.setattr(wire.Later, "share", lambda *_: None)
+    def poor(self, connection, request):
+        line(self, connection, without_memory(request))
+
+    monkeypatch.setattr(Program, "serve", lambda *a: calls.append(1) or serve(*a))
+    monkeypatch.setattr(Server, "close", count)
+    for turns in (64, 1, 64):
+        monkeypatch.setattr(server, "TURNS", turns)
+        if len(runs) == 2:
+            monkeypatch.setattr(Server, "becomes_line", poor)
         out = tmp_path / "out"
-        how = "" if what == "sine.py" else "exec"  # the shell waits, or is the program
-        shell = ["sh", "-c", f'{how} "$@" > {out}; exit', "sh", *command]
-        status, hash_ = run_in_lockstep(tmp_path / "m", *shell)
+        shell = "" if what == "sine.py" else "exec"  # the shell waits, or is the program
+        words = ["sh", "-c", f'{shell} "$@" > {out}; exit', "sh", *command]
+        status, hash_ = run_in_lockstep(tmp_path / "m", *words)
         runs.append((status, hash_, out.read_text()))
-    assert runs[0] == runs[1] == runs[2] == runs[3] and runs[0][0] == (134 if what == WRITES else 0)
-    assert served > 30 or what == "bounce.c", served
-    assert quiet == (what in ("sine.c", "sine.py", READS, WRITES))
+    assert runs[0] == runs[1] == runs[2] and runs[0][0] == (134 if what == WRITES else 0)
+    if what == "sine.c":  # a sample costs one request, for which it waits
+        requests, samples = asked[0]
+        assert samples > 900 and requests < 1.1 * samples
     if what == WRITES:
         assert "parent [55, 65]" in runs[0][2] and "exec [57, 67]" in runs[0][2]
-        # 55, too, if the child asks before its parent
-        assert (
-            {57, 58}
-            <= {struct.unpack("<2i", data)[0] for _, data in later - {None}}
-            <= {55, 57, 58}
-        )
     if what == READS:
         assert "cleared" in runs[0][2]
     if what == STOPS:
@@ -170,12 +172,13 @@ def test_server_and_programs_share_a_core(tmp_path):
     before = os.sched_getaffinity(0)
     assert output_in_lockstep(tmp_path, *PYTHON, CORES)[:2] == ("1\n1\n1\n", 0)
     assert os.sched_getaffinity(0) == before
-    core, child = Core(), subprocess.Popen(["sleep", "60"])
-    os.sched_setaffinity(child.pid, before)
-    core.share([child.pid], 1.0)
+    child = subprocess.Popen(["sleep", "60"])
+    core = Core(SimpleNamespace(pids=lambda attached: [child.pid]))
+    core.leave()
+    core.share(1.0)
     shared = os.sched_getaffinity(0)
     assert os.sched_getaffinity(child.pid) == shared and len(shared) == 1
-    core.leave([child.pid])
+    core.leave()
     assert os.sched_getaffinity(child.pid) == os.sched_getaffinity(0) == before
     child.kill(), child.wait()
-    core.share([child.pid], 2.0), core.leave([child.pid])  # it has ended
+    core.share(2.0), core.leave()  # it has ended

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Lock-step: what comes on a line and what goes there; a program's read() and write() (turns.h). */
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "mcdef.h"
+#include "turns_own.h"
+
+#define MOST_FIRED 64 /* timers of which a program is told at once */
+
+int64_t events_of(const struct turns *t) {
+  mmcs_tap_head head;
+  (void)mmcs_sim_tap_head(t->sim, &head);
+  return head.events;
+}
+
+/* Each signal of the driver is an event as well. */
+void see_signals(struct turns *t) {
+  const int64_t events = events_of(t);
+  if (events == t->events) return;
+  t->events = events;
+  t->send_signals();
+}
+
+/* --- read() and write() ---------------------------------------------------------------- */
+
+int turns_read(struct turns *t, int pid, mmcs_client *client, void *states, size_t size) {
+  struct process *p = process_of(t, pid);
+  const int64_t before = clock_of(t);
+  const int result = mmcs_sim_read(t->sim, client->driver, states, size);
+  const struct mc_state *state = states;
+  int errors = result < 0 || clock_of(t) != before;
+  for (int n = 0; n < result / (int)sizeof(*state); n++) errors |= state[n].errcode;
+  if (p != NULL) {
+    p->reads = client;
+    p->quiet = errors ? -1 : events_of(t);
+  }
+  return result;
+}
+
+int turns_write(struct turns *t, int pid, mmcs_client *client, const char *name, const void *data,
+                size_t size) {
+  struct process *p = process_of(t, pid);
+  const int64_t before = clock_of(t);
+  const int result = mmcs_server_write(t->server, client, data, size);
+  see_signals(t);
+  if (p != NULL) {
+    p->writes = client;
+    strncpy(p->name, name, WIRE_NAME - 1);
+    p->wrote = result != (int)size || clock_of(t) != before ? -1 : events_of(t);
+  }
+  return result;
+}
+
+void write_later(struct turns *t) {
+  EACH_PROCESS(t, p) {
+    struct wire_later w;
+    if (p->later == NULL || !p->later->due) continue;
+    w = *p->later;
+    p->later->due = 0;
+    w.name[WIRE_NAME - 1] = 0;
+    if (p->writes != NULL && strcmp(w.name, p->name) == 0 && w.length <= sizeof(w.data))
+      (void)turns_write(t, p->pid, p->writes, w.name, w.data, w.length);
+  }
+}
+
+void turns_closes(struct turns *t, const mmcs_client *client) {
+  write_later(t);
+  EACH_PROCESS(t, p) {
+    if (p->reads == client) p->reads = NULL;
+    if (p->writes == client) p->writes = NULL;
+  }
+}
+
+/* --- timers ---------------------------------------------------------------------------- */
+
+void run_out(struct turns *t, struct process *p, uint64_t now) {
+  EACH_TIMER(p, timer) {
+    struct wire_timer *is = &timer->is;
+    uint64_t times = 1;
+    if (is->first > now) continue;
+    if (is->interval > 0) times += (now - is->first) / is->interval;
+    is->first = is->interval > 0 ? is->first + times * is->interval : 0;
+    if (is->signal > 0) {
+      const union sigval value = {.sival_ptr = (void *)(uintptr_t)is->value};
+      (void)sigqueue(p->pid, is->signal, value);
+      turns_signalled(t, p->pid, BIT(is->signal));
+    }
+    if (is->fd >= 0) timer->fired += (int32_t)times;
+    if (is->fd >= 0) turns_look(t, p->pid);
+  }
+}
+
+static uint32_t fired(struct process *p, struct wire_fired *out) {
+  uint32_t n = 0;
+  for (struct timer *i = p->timer; i < p->timer + p->timers && n < MOST_FIRED; i++) {
+    if (i->fired > 0) out[n++] = (struct wire_fired){i->is.fd, i->fired};
+    i->fired = 0;
+  }
+  return n;
+}
+
+/* --- answers --------------------------------------------------------------------------- */
+
+static void reply(int fd, int result, const void *data, uint32_t length) {
+  struct {
+    struct wire_reply head;
+    char data[sizeof(struct wire_now) + MOST_READ];
+  } out = {.head = {result, length}};
+  const ssize_t size = (ssize_t)(sizeof(out.head) + length);
+  if (length > 0) memcpy(out.data, data, length);
+  /* a program that fetches no answers is disconnected; the end of one is heard by epoll */
+  if (send(fd, &out, (size_t)size, MSG_NOSIGNAL | MSG_DONTWAIT) != size)
+    (void)shutdown(fd, SHUT_RDWR);
+}
+
+static struct wire_now now(const struct turns *t, const struct process *of) {
+  struct wire_now told = {.ns = now_of(t), .sample = (uint32_t)mmcs_sim_samples(t->sim)};
+  EACH_PROCESS(t, p)
+  for (uint64_t n = 0; n < p->timers; n++)
+    if (p->timer[n].fired > 0) told.flags |= NOW_FIRED;
+  if (of->later != NULL && of->writes != NULL && of->wrote == events_of(t))
+    told.flags |= NOW_WRITES;
+  return told;
+}
+
+/* The line runs from now on: its wait is answered, or the call that waited is served. */
+void go_on(struct turns *t, struct line *l, enum wire_cause cause) {
+  struct {
+    struct wire_now now;
+    char states[MOST_READ];
+  } told = {.now = now(t, l->process)};
+  const struct process *p = l->process;
+  int read = 0;
+  if (cause == CAUSE_DUE && l->states > 0 && l->states <= sizeof(told.states) && p->reads != NULL &&
+      p->quiet == events_of(t))
+    read = mmcs_sim_read(t->sim, p->reads->driver, told.states, (size_t)l->states);
+  reply(l->fd, (int)cause, &told, (uint32_t)(sizeof(told.now) + (size_t)(read > 0 ? read : 0)));
+}
+
+/* --- requests -------------------------------------------------------------------------- */
+
+static int wake(struct line *l, uint64_t key, uint64_t count) {
+  int woken = 0;
+  for (l = l->process->lines; l != NULL && (uint64_t)woken < count; l = l->next) {
+    if (!wants(l, WAIT_KEY) || l->wait.key != key) continue;
+    ready(l, CAUSE_WOKEN);
+    woken++;
+  }
+  return woken;
+}
+
+/* Maps a descriptor of the program, if it is what its library has made for this. */
+static void share(struct process *p, int fd) {
+  char path[64], link[64] = {0};
+  int mine;
+  void *made = MAP_FAILED;
+  (void)snprintf(path, sizeof(path), "/proc/%d/fd/%d", p->pid, fd);
+  if (p->later != NULL) (void)munmap(p->later, sizeof(*p->later));
+  p->later = NULL;
+  if (readlink(path, link, sizeof(link) - 1) < 0 || strncmp(link, "/memfd:mmcs ", 12) != 0) return;
+  mine = open(path, O_RDWR | O_CLOEXEC);
+  if (mine >= 0 && lseek(mine, 0, SEEK_END) >= (off_t)sizeof(*p->later))
+    made = mmap(NULL, sizeof(*p->later), PROT_READ | PROT_WRITE, MAP_SHARED, mine, 0);
+  if (mine >= 0) (void)close(mine);
+  if (made != MAP_FAILED) p->later = made;
+}
+
+void turns_line(struct turns *t, int fd, const void *request) {
+  struct wire_request r;
+  memcpy(&r, request, sizeof(r));
+  write_later(t);
+  turns_expect(t, r.pid);
+  open_line(t, fd, r.a, r.b, r.pid);
+  if (r.length == sizeof(int32_t)) {
+    int32_t memory;
+    memcpy(&memory, (const char *)request + sizeof(r), sizeof(memory));
+    share(process_of(t, r.pid), memory);
+  }
+}
+
+static int is_well_formed(const struct wire_request *r, const void *data) {
+  struct wire_wait wait;
+  if (r->op == WIRE_TIMER)
+    return r->a < WIRE_TIMERS && (r->length == 0 || r->length == sizeof(struct wire_timer));
+  if (r->op != WIRE_WAIT) return r->length == 0 && r->op >= WIRE_LINE && r->op <= WIRE_CANCEL;
+  if (r->length < sizeof(wait)) return 0;
+  memcpy(&wait, data, sizeof(wait));
+  return wait.files < MOST_ASKED && r->length == sizeof(wait) + 4 * wait.files;
+}
+
+static void serve(struct turns *t, struct line *l, const struct wire_request *r, const char *data) {
+  struct process *p = l->process;
+  int result = 0;
+  union {
+    struct wire_wait wait;
+    struct wire_timer timer;
+    struct wire_now now;
+    struct wire_fired fired[MOST_FIRED];
+  } is;
+  t->requests++;
+  if (!is_well_formed(r, data)) {
+    reply(l->fd, -EINVAL, NULL, 0);
+    return;
+  }
+  switch (r->op) {
+    case WIRE_LINE:
+      leave_line(t, l, 1);
+      return;
+    case WIRE_WAIT:
+      memcpy(&is.wait, data, sizeof(is.wait));
+      l->states = r->a;
+      begin_wait(t, l, &is.wait, (const int32_t *)(const void *)(data + sizeof(is.wait)));
+      return;
+    case WIRE_CANCEL:
+      if (l->state == WAITS) ready(l, CAUSE_SIGNAL);
+      return;
+    case WIRE_TIMER:
+      is.timer = p->timer[r->a].is;
+      if (r->length > 0) memcpy(&p->timer[r->a].is, data, sizeof(is.timer));
+      if (r->a >= p->timers) p->timers = r->a + 1;
+      reply(l->fd, 0, &is, sizeof(is.timer));
+      return;
+    case WIRE_FIRED:
+      reply(l->fd, 0, is.fired, fired(p, is.fired) * (uint32_t)sizeof(is.fired[0]));
+      return;
+    case WIRE_NOW:
+      is.now = now(t, p);
+      is.now.flags &= (uint32_t)~NOW_WRITES;
+      reply(l->fd, 0, &is, sizeof(is.now));
+      return;
+    case WIRE_WAKE:
+      result = wake(l, r->a, r->b);
+      break;
+    case WIRE_POKE:
+      if (r->b > 0 && r->b <= 64) turns_signalled(t, (int)r->a, BIT(r->b));
+      break;
+    default: /* WIRE_SPAWN */
+      if (r->a == 0) p->expected += r->b ? -1 : 1;
+      if (r->a != 0) turns_expect(t, (int)r->a);
+  }
+  reply(l->fd, result, NULL, 0);
+}
+
+/* One request, which came in one piece; anything else ends the line. */
+static void hear(struct turns *t, struct line *l) {
+  struct wire_request r;
+  char data[MOST_ASKED];
+  const ssize_t got = recv(l->fd, &r, sizeof(r), MSG_DONTWAIT);
+  if (got < 0 && errno == EAGAIN) return;
+  if (got != (ssize_t)sizeof(r) || r.magic != WIRE_MAGIC || r.length > sizeof(data) ||
+      (r.length > 0 && recv(l->fd, data, r.length, MSG_DONTWAIT) != (ssize_t)r.length))
+    leave_line(t, l, 0);
+  else
+    serve(t, l, &r, data);
+}
+
+int turns_hear(struct turns *t, int fd) {
+  EACH_LINE(t, p, l) {
+    if (l->fd != fd) continue;
+    write_later(t);
+    hear(t, l);
+    return 1;
+  }
+  EACH_PROCESS(t, p) {
+    if (p->handle != fd) continue;
+    write_later(t);
+    (void)epoll_ctl(t->epoll, EPOLL_CTL_DEL, fd, NULL);
+    (void)close(fd);
+    p->handle = -1;
+    p->state = ENDED;
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,369 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whose turn it is, and what ends a wait (turns.h). lines.c has the requests of the lines. */
+#define _GNU_SOURCE
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "turns_own.h"
+
+#define SECOND 1000000000
+#define STRETCH_S 0.01  /* of time between looks at the stop path */
+#define LOOK_S 0.001    /* of time between looks at descriptors from outside */
+#define NO_SAMPLE_S 2.5 /* of the machine: with an interval over 1 s MENABLE fails */
+enum turns_end { GOES_ON = 0, SAMPLED = 1, LATE = 2 };
+
+int64_t clock_of(const struct turns *t) {
+  return mmcs_sim_clock(t->sim);
+}
+
+uint64_t now_of(const struct turns *t) {
+  return (uint64_t)((__int128)clock_of(t) * SECOND / t->hz);
+}
+
+static int64_t last_moment(const struct turns *t) {
+  return clock_of(t) + (int64_t)(NO_SAMPLE_S * (double)t->hz);
+}
+
+static double wall(void) {
+  struct timespec now;
+  (void)clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+int wants(const struct line *l, unsigned what) {
+  return l->state == WAITS && (l->wait.what & what) != 0;
+}
+
+void ready(struct line *l, enum wire_cause cause) {
+  l->state = READY;
+  l->cause = cause;
+}
+
+static void begin(struct turns *t) {
+  t->began = wall();
+  t->told = 0;
+}
+
+/* --- who there is ---------------------------------------------------------------------- */
+
+struct turns *turns_create(mmcs_sim *sim, mmcs_server *server, int epoll) {
+  struct turns *t = calloc(1, sizeof(*t));
+  if (t == NULL) abort();
+  *t = (struct turns){.sim = sim, .server = server, .epoll = epoll};
+  t->hz = mmcs_sim_build_clk_hz();
+  t->limit = INT64_MAX;
+  t->good = 1;
+  t->silent_s = 5;
+  t->outside_s = 1;
+  t->last_process = t->last_line = -1;
+  return t;
+}
+
+struct process *process_of(const struct turns *t, int pid) {
+  EACH_PROCESS(t, p) if (p->pid == pid) return p;
+  return NULL;
+}
+
+void turns_expect(struct turns *t, int pid) {
+  struct process *p = process_of(t, pid), **last = &t->processes;
+  struct epoll_event in = {.events = EPOLLIN};
+  if (p != NULL) return;
+  p = calloc(1, sizeof(*p));
+  if (p == NULL) abort();
+  while (*last != NULL) last = &(*last)->next;
+  *last = p;
+  p->pid = pid;
+  p->number = ++t->numbers;
+  p->quiet = p->wrote = -1;
+  p->handle = in.data.fd = (int)syscall(SYS_pidfd_open, pid, 0);
+  p->state = p->handle < 0 ? ENDED : STARTING;
+  if (p->handle >= 0) (void)epoll_ctl(t->epoll, EPOLL_CTL_ADD, p->handle, &in);
+  begin(t);
+}
+
+int turns_pids(const struct turns *t, int32_t *pids, int most, int attached) {
+  int n = 0;
+  EACH_PROCESS(t, p) if ((p->lines != NULL || !attached) && n < most) pids[n++] = p->pid;
+  return n;
+}
+
+/* A wait for the end of a thread ends when the thread is neither there nor on its way. */
+static void join(struct process *p) {
+  for (struct line *l = p->expected == 0 ? p->lines : NULL; l != NULL; l = l->next) {
+    const struct line *other = p->lines;
+    while (other != NULL && other->key != l->wait.key) other = other->next;
+    if (wants(l, WAIT_THREAD) && other == NULL) ready(l, CAUSE_WOKEN);
+  }
+}
+
+static void others_ran(struct turns *t, const struct line *but) {
+  EACH_LINE(t, p, l) if (l != but && wants(l, WAIT_FILES)) l->look = 1;
+}
+
+static void drop(struct turns *t, struct line *l) {
+  struct process *p = l->process;
+  struct line **at = &p->lines;
+  while (*at != l) at = &(*at)->next;
+  *at = l->next;
+  (void)close(l->fd);
+  t->lines--;
+  if (t->running == l) {
+    t->running = NULL;
+    others_ran(t, NULL);
+  }
+  free(l);
+  join(p);
+}
+
+/* A thread says that it ends. A line that ends unsaid: all of the program does. */
+void leave_line(struct turns *t, struct line *l, int says_so) {
+  struct process *p = l->process;
+  if (says_so) drop(t, l);
+  while (!says_so && p->lines != NULL) drop(t, p->lines);
+  if (p->lines == NULL && p->state == THERE) p->state = STARTING; /* another program, or its end */
+}
+
+void open_line(struct turns *t, int fd, uint64_t kind, uint64_t key, int pid) {
+  struct process *p = process_of(t, pid);
+  struct line *l = calloc(1, sizeof(*l)), **at = &p->lines;
+  if (l == NULL) abort();
+  if ((kind & 0xFF) == LINE_THREAD) {
+    p->expected--;
+  } else {
+    while (p->lines != NULL) drop(t, p->lines); /* of the program that it was before */
+    p->expected = 0;
+  }
+  if (p->state == STARTING) p->state = THERE; /* also if main() has ended before a thread began */
+  *l = (struct line){.process = p, .fd = fd, .number = (int64_t)(kind >> 8), .key = key};
+  l->wait.until = WIRE_NEVER;
+  ready(l, CAUSE_DUE);
+  while (*at != NULL && (*at)->number <= l->number) at = &(*at)->next;
+  l->next = *at;
+  *at = l;
+  t->lines++;
+  join(p);
+}
+
+/* Signals are pending in a process: the first thread that lets one through wakes. */
+static void deliver(struct process *p, uint64_t signals) {
+  struct line *first = NULL;
+  for (struct line *l = p->lines; l != NULL; l = l->next) {
+    if (l->state == RUNS || l->wait.what & WAIT_DEAF || (signals & ~l->wait.mask) == 0) continue;
+    if (l->state == READY) return;
+    if (first == NULL) first = l;
+  }
+  if (first != NULL) ready(first, CAUSE_SIGNAL);
+}
+
+void turns_signalled(struct turns *t, int pid, uint64_t signals) {
+  struct process *p = process_of(t, pid);
+  if (p != NULL) deliver(p, signals);
+}
+
+/* Processes that have ended, or all. */
+static int forget(struct turns *t, int all) {
+  int found = 0;
+  for (struct process **at = &t->processes, *p; (p = *at) != NULL;) {
+    if (!all && p->state != ENDED) {
+      at = &p->next;
+      continue;
+    }
+    *at = p->next;
+    while (p->lines != NULL) drop(t, p->lines);
+    if (p->handle >= 0) (void)close(p->handle);
+    if (p->later != NULL) (void)munmap(p->later, sizeof(*p->later));
+    free(p);
+    found = 1;
+  }
+  return found;
+}
+
+void turns_destroy(struct turns *t) {
+  (void)forget(t, 1);
+  free(t);
+}
+
+static void reap(struct turns *t) {
+  if (!forget(t, 0)) return;
+  others_ran(t, NULL);
+  EACH_LINE(t, p, l) if (wants(l, WAIT_CHILD)) ready(l, CAUSE_WOKEN);
+  EACH_PROCESS(t, p) deliver(p, BIT(SIGCHLD));
+}
+
+/* --- what a line asks ------------------------------------------------------------------ */
+
+/* It runs no more, until it is ready. */
+void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
+                const int32_t *files) {
+  struct process *p = l->process;
+  l->wait = *wait;
+  l->state = WAITS;
+  l->look = 0;
+  l->patience = last_moment(t);
+  if (t->running == l) t->running = NULL;
+  if (!(wait->what & WAIT_AGAIN)) others_ran(t, l);
+  if (wait->pending) deliver(p, wait->pending);
+  join(p);
+  if (wait->what & WAIT_CHILD && t->processes->next == NULL) {
+    ready(l, CAUSE_OUTSIDE);
+    l->outside = 1;
+  }
+  if (!(wait->what & WAIT_FILES)) return;
+  l->outside = wait->files > 0;
+  for (uint32_t n = 0; n < wait->files && l->outside; n++)
+    l->outside = t->is_outside(p->pid, files[n]);
+  if (l->outside && wait->until == WIRE_NEVER) ready(l, CAUSE_OUTSIDE);
+}
+
+/* --- whose turn it is ------------------------------------------------------------------ */
+
+static const struct process *awaited(const struct turns *t) {
+  EACH_PROCESS(t, p) if (p->state == STARTING || p->expected > 0) return p;
+  return NULL;
+}
+
+int turns_busy(const struct turns *t) {
+  return t->running != NULL || awaited(t) != NULL;
+}
+
+int turns_rest(const struct turns *t) {
+  EACH_PROCESS(t, p) if (p->state == ENDED) return 0;
+  return turns_busy(t) || t->processes == NULL;
+}
+
+static void tell(struct turns *t, int pid, enum turns_why why) {
+  if (t->told || wall() - t->began < (why == TURNS_SILENT ? t->silent_s : t->outside_s)) return;
+  t->told = 1;
+  t->tell(pid, (int)why);
+}
+
+static void tell_of_silence(struct turns *t) {
+  const struct line *l = t->running;
+  const struct process *p = l != NULL ? l->process : awaited(t);
+  tell(t, p != NULL ? p->pid : 0, l != NULL && l->outside ? TURNS_OUTSIDE : TURNS_SILENT);
+}
+
+/* The next line that may go on, behind the one that ran last. */
+static struct line *next_line(const struct turns *t) {
+  struct line *first = NULL;
+  EACH_LINE(t, p, l) {
+    if (l->state != READY && !l->look) continue;
+    if (p->number > t->last_process || (p->number == t->last_process && l->number > t->last_line))
+      return l;
+    if (first == NULL) first = l;
+  }
+  return first;
+}
+
+static void release(struct turns *t, struct line *l) {
+  const enum wire_cause cause = l->state == READY ? l->cause : CAUSE_WOKEN;
+  l->state = RUNS;
+  l->look = 0;
+  l->outside = cause == CAUSE_OUTSIDE;
+  t->running = l;
+  t->last_process = l->process->number;
+  t->last_line = l->number;
+  begin(t);
+  go_on(t, l, cause);
+}
+
+void turns_look(struct turns *t, int pid) {
+  const struct process *p = process_of(t, pid);
+  for (struct line *l = p != NULL ? p->lines : NULL; l != NULL; l = l->next)
+    l->look = wants(l, WAIT_FILES);
+}
+
+void turns_passed(struct turns *t, int sampled) {
+  const int64_t clock = clock_of(t);
+  const uint64_t now = now_of(t);
+  EACH_PROCESS(t, p) run_out(t, p, now);
+  EACH_LINE(t, p, l) {
+    const unsigned what = l->wait.what;
+    if (l->state == WAITS && l->wait.until <= now) ready(l, CAUSE_DUE);
+    /* a signal that came with the sample takes it not away */
+    if (sampled && what & WAIT_SAMPLE && l->state != RUNS &&
+        (l->state == WAITS || l->cause == CAUSE_SIGNAL))
+      ready(l, CAUSE_DUE);
+    if (wants(l, WAIT_SAMPLE) && clock > l->patience) ready(l, CAUSE_LATE);
+    if (l->state != RUNS && l->outside && what & WAIT_FILES) l->look = 1;
+  }
+}
+
+/* All that any thread waits for is another one. */
+static const struct process *deadlocked(const struct turns *t) {
+  const struct process *found = NULL;
+  EACH_PROCESS(t, p) EACH_TIMER(p, timer) return NULL;
+  EACH_LINE(t, p, l) {
+    if (!wants(l, WAIT_KEY | WAIT_THREAD | WAIT_CHILD) || l->wait.until != WIRE_NEVER) return NULL;
+    if (l->wait.what & (WAIT_KEY | WAIT_THREAD)) found = p;
+  }
+  return found;
+}
+
+/* While every line waits: up to the first end of a wait, or a stretch. */
+static int pass_time(struct turns *t) {
+  const int64_t clock = clock_of(t), before = mmcs_sim_samples(t->sim);
+  const struct process *stuck = t->watched ? NULL : deadlocked(t);
+  int samples = t->watched != 0, others = samples, outside = 0;
+  struct line *files = NULL;
+  uint64_t end = WIRE_NEVER;
+  int64_t to;
+  EACH_LINE(t, p, l) {
+    const int of_files = (l->wait.what & WAIT_FILES) != 0;
+    if (l->wait.until < end) end = l->wait.until;
+    samples |= (l->wait.what & WAIT_SAMPLE) != 0;
+    others |= !of_files;
+    outside |= of_files && l->outside;
+    if (of_files && files == NULL) files = l;
+  }
+  EACH_PROCESS(t, p) EACH_TIMER(p, timer) if (timer->is.first < end) end = timer->is.first;
+  if (files != NULL && end == WIRE_NEVER && !samples && !others) {
+    ready(files, CAUSE_OUTSIDE); /* only the outside world can go on */
+    return GOES_ON;
+  }
+  if (stuck != NULL) tell(t, stuck->pid, TURNS_EACH_OTHER);
+  to = clock + (int64_t)((outside ? LOOK_S : STRETCH_S) * (double)t->hz);
+  if (end != WIRE_NEVER) {
+    const __int128 due = ((__int128)end * t->hz + SECOND - 1) / SECOND;
+    if (due < to) to = (int64_t)due;
+  }
+  if (to > t->limit) to = t->limit;
+  if (to > clock && mmcs_sim_run_to(t->sim, to, samples) != 0) t->good = 0;
+  see_signals(t);
+  samples = mmcs_sim_samples(t->sim) != before;
+  turns_passed(t, samples);
+  if (t->watched == 0 || (!samples && clock_of(t) <= t->watched)) return GOES_ON;
+  return samples ? SAMPLED : LATE;
+}
+
+static int turn(struct turns *t) {
+  struct line *next;
+  reap(t);
+  if (turns_busy(t) || t->processes == NULL) return GOES_ON;
+  next = next_line(t);
+  if (next == NULL) return pass_time(t);
+  release(t, next);
+  return GOES_ON;
+}
+
+int turns_run(struct turns *t, int turns, int timeout_ms) {
+  const int64_t events = events_of(t);
+  for (; turns > 0; turns--) {
+    struct epoll_event came[2];
+    int n, busy, end = turns_rest(t) ? GOES_ON : turn(t);
+    if (end != GOES_ON) return end;
+    if (events_of(t) != events) break;
+    busy = turns_busy(t);
+    n = epoll_wait(t->epoll, came, 2, busy ? timeout_ms : 0);
+    if (n == 0 && !busy && t->processes != NULL) continue;
+    if (n == 0 && busy) tell_of_silence(t);
+    if (n != 1 || !turns_hear(t, came[0].data.fd)) break;
+  }
+  return GOES_ON;
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What turns.c and lines.c have in common. */
+#ifndef MMCS_TURNS_OWN_H
+#define MMCS_TURNS_OWN_H
+
+#include "mmcs_sim.h"
+/* first mmcs_sim.h */
+#include "mmcs_service.h"
+#include "turns.h"
+#include "wire.h"
+
+enum { MOST_ASKED = 512, MOST_READ = 1024 }; /* bytes of a request; of states */
+#define BIT(number) (UINT64_C(1) << ((number) - 1))
+
+/* A thread. It runs, waits, or is ready to go on, because of `cause`. */
+struct line {
+  struct line *next; /* of the process, by number */
+  struct process *process;
+  int fd;
+  enum { RUNS, WAITS, READY } state;
+  enum wire_cause cause;
+  int64_t number;
+  uint64_t key;
+  struct wire_wait wait;
+  uint64_t states;  /* bytes of states that it would read next */
+  int64_t patience; /* the clock until which it waits for a sample */
+  int look;         /* others have run since it looked at its descriptors */
+  int outside;      /* no attached process has the other ends of those */
+};
+
+struct timer {
+  struct wire_timer is; /* first = 0: off */
+  int32_t fired;        /* how often it has run out, and its program does not know yet */
+};
+
+struct process {
+  struct process *next; /* in the order of their starts */
+  int pid, handle;
+  int64_t number;
+  enum { STARTING, THERE, ENDED } state; /* STARTING: has no line yet, and will */
+  int expected;                          /* threads of it of which the same holds */
+  struct line *lines;
+  struct timer timer[WIRE_TIMERS];
+  uint64_t timers;          /* of those, that may be on */
+  struct wire_later *later; /* or null */
+  /* Of the last read() and write(); events there were if it took no time and had no error, or -1 */
+  mmcs_client *reads, *writes;
+  int64_t quiet, wrote;
+  char name[WIRE_NAME]; /* of the file of that write() */
+};
+
+#define EACH_TIMER(p, i)                                                \
+  for (struct timer *i = (p)->timer; i < (p)->timer + (p)->timers; i++) \
+    if (i->is.first > 0)
+#define EACH_PROCESS(t, p) for (struct process *p = (t)->processes; p != NULL; p = p->next)
+#define EACH_LINE(t, p, l) \
+  EACH_PROCESS(t, p) for (struct line *l = p->lines; l != NULL; l = l->next)
+
+/* turns.c */
+int64_t clock_of(const struct turns *t);
+uint64_t now_of(const struct turns *t);
+struct process *process_of(const struct turns *t, int pid);
+void open_line(struct turns *t, int fd, uint64_t kind, uint64_t key, int pid);
+void leave_line(struct turns *t, struct line *l, int says_so);
+void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
+                const int32_t *files);
+void ready(struct line *l, enum wire_cause cause);
+int wants(const struct line *l, unsigned what);
+
+/* lines.c */
+int64_t events_of(const struct turns *t);
+void see_signals(struct turns *t);
+void write_later(struct turns *t);
+void go_on(struct turns *t, struct line *l, enum wire_cause cause);
+void run_out(struct turns *t, struct process *p, uint64_t now);
+
+#endif
