@@ -24,6 +24,7 @@ MAY_INCLUDE = {
     "sim/model": (C, ("sim/model", "sim/abi")),
     "sim/setup": (C, ("sim/setup", "sim/abi", "firmware/include")),
     "sim/service": (C, ("sim/service", "sim/setup", "sim/abi", "firmware/include")),
+    "sim/device": (C, ("sim/device", "sim/abi", "firmware/include")),
     "sim/engine": (C, ("sim/engine", "sim/abi", "sim/plant", "sim/model", "sim/hosts", "firmware")),
 }
 # tree: what of it is exempt, and the modules of ours that the rest may import
