@@ -8,10 +8,8 @@ from pathlib import Path
 from mmcs import ROBOTS, setup_file
 from mmcs.errors import InputError, Mistake
 from mmcs.scenario.files import find, read_scenario, read_toml
-from mmcs.scenario.robot import Robot
-from mmcs.scenario.schema import validate
 from mmcs.scenario.sets import apply_sets
-from mmcs.scenario.setup import Setup, make_setup
+from mmcs.scenario.setup import Setup, check_robot, make_setup
 
 HOSTS = ("native", "m68020")  # as MMCS_HOST_... counts them
 
@@ -76,8 +74,7 @@ def _of(mistake: Mistake, path: Path, origins: dict[str, Path], typed: dict[str,
 def load_robot(name: str):
     """(path, robot). Raises InputError holding every mistake found."""
     path = find(name, ROBOTS, "robot")
-    robot, mistakes = validate(Robot, read_toml(path), str(path))
-    mistakes += robot.mistakes(str(path)) if robot else []
+    robot, mistakes = check_robot(read_toml(path), str(path))
     if mistakes:
         raise InputError(*mistakes)
     return path, robot

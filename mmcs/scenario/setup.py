@@ -118,7 +118,7 @@ def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     if isinstance(name, str) and name:
         try:
             robot_path = find_robot(name, path)
-            robot, wrong = _check_robot(files.toml(robot_path), str(robot_path))
+            robot, wrong = check_robot(files.toml(robot_path), str(robot_path))
             mistakes += wrong
         except InputError as error:
             where = error.mistakes[0]
@@ -131,7 +131,7 @@ def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     if scenario.motor and not (mistakes := cross.motors()):
         entries = [entry.model_dump(exclude_none=True) for entry in scenario.motor]
         data_of_robot = with_values(files.toml(robot_path), entries)
-        robot, mistakes = _check_robot(data_of_robot, f"{path}: [[motor]]")
+        robot, mistakes = check_robot(data_of_robot, f"{path}: [[motor]]")
         cross.robot = robot
     if mistakes:
         raise InputError(*mistakes)
@@ -146,7 +146,7 @@ def make_setup(path: Path, data: dict, files: Files | None = None) -> Setup:
     return Setup(path.stem, path, scenario, robot, params, segments, data, texts)
 
 
-def _check_robot(data: dict, file: str) -> tuple[Robot | None, list[Mistake]]:
+def check_robot(data: dict, file: str) -> tuple[Robot | None, list[Mistake]]:
     robot, mistakes = validate(Robot, data, file)
     return robot, mistakes or robot.mistakes(file)
 

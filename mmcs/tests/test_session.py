@@ -182,13 +182,6 @@ def test_failed_assertion_of_the_machine_fails_the_run(mmcs, scenario, answers, 
     assert json.loads((tmp_path / "report.json").read_text())["axes"][0]["rise_ms"] is None
 
 
-def test_set_and_duration(scenario):
-    setup = load(str(scenario()), ("servo=[{a0=5}]", "motion.0.to=-7"), duration=0.2)
-    assert setup.params[0]["a0"] == 5
-    assert setup.segments[0]["to"] == -7
-    assert setup.scenario.duration == 0.2
-
-
 def test_units(scenario):
     """A degree of the joint is 1/360 of a turn of the joint: counts times gear."""
     text = GOOD.replace("lab500", "puma560").replace("cards = 1", "cards = 3")
