@@ -103,7 +103,7 @@ export class Panel {
     if (!param) return;
     const current = latest && machine.enabled ? latest.current : 0;
     const now = modeName(param, current);
-    if (now !== "off" || !machine.enabled) this.wantsDiag = false;
+    if (!["off", "diag"].includes(now) || !machine.enabled) this.wantsDiag = false;
     if (this.square && this.square.mode !== now) this.square = null;
     this.shown = now === "off" && this.wantsDiag ? "diag" : now;
     const { drafts } = this;

@@ -45,7 +45,7 @@ function makeRow(page, register, card) {
   const value = el("output");
   const fields = el("span");
   const input = el("input", { type: "text", size: 5, "aria-label": `write ${register.name}`,
-    onchange: () => write() });  // prettier-ignore
+    onkeydown: ({ key }) => key === "Enter" && write() });  // prettier-ignore
 
   async function read() {
     if (!register.readable) return;

@@ -6,6 +6,7 @@ that another user of the machine, who can reach the port, finds neither page nor
 WebSocket must come from an origin that the server was told; pages of other sites are turned away.
 """
 
+import hashlib
 import hmac
 import http
 import mimetypes
@@ -63,9 +64,10 @@ class Site:
             return connection.respond(http.HTTPStatus.FORBIDDEN, "not from that page\n")
         if self.pages is not None and path not in self.pages:
             return connection.respond(http.HTTPStatus.NOT_FOUND, "not here\n")
-        return self._file(connection, path)
+        return self._file(connection, path, request.headers.get("If-None-Match"))
 
-    def _file(self, connection: ServerConnection, path: str) -> Response:
+    def _file(self, connection: ServerConnection, path: str, known: str | None) -> Response:
+        """known: the ETag of what the browser has already."""
         file = _locate(path)
         if file is None:
             return connection.respond(http.HTTPStatus.NOT_FOUND, f"no such page: {path}\n")
@@ -73,6 +75,7 @@ class Site:
         if kind.startswith("text/") or kind.endswith("javascript"):
             kind += "; charset=utf-8"
         body = file.read_bytes()
+        tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
         headers = Headers(
             {
                 "Content-Type": kind,
@@ -80,10 +83,14 @@ class Site:
                 "Content-Security-Policy": self.policy,
                 "Referrer-Policy": "no-referrer",
                 "X-Content-Type-Options": "nosniff",
-                "Cache-Control": "no-store",
+                "Cache-Control": "no-cache",
+                "ETag": tag,
                 "Connection": "close",
             }
         )
+        if known == tag:
+            del headers["Content-Length"]
+            return Response(304, "Not Modified", headers, b"")
         return Response(200, "OK", headers, body)
 
 

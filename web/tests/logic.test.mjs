@@ -174,7 +174,7 @@ test("numbers as people type them: a decimal comma is understood, or refused, ne
   assert.equal(parseNumber("1,5"), 1.5);
   assert.equal(parseNumber("0,125"), 0.125);
   assert.equal(parseNumber(" -12 "), -12);
-  for (const text of ["1,234", "1.234,5", "1,234.5", "", "1e", "0x10", "twelve", "--1"])
+  for (const text of ["1,234", "1.234,5", "1,234.5", "", "1e", "0x10", "twelve", "--1", "1e400"])
     assert.equal(parseNumber(text), null, text);
   assert.throws(() => parseInteger("2.5", 0, 9, "ilim"), /ilim: "2.5" is not a whole number from 0 to 9/);
 });

@@ -111,6 +111,11 @@ def test_strangers_reach_neither_page_nor_socket(desk):
         with pytest.raises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(url)
         assert refused.value.code == 404
+    with urllib.request.urlopen(address + "app.js") as sent:
+        tag = {"If-None-Match": sent.headers["ETag"]}
+    with pytest.raises(urllib.error.HTTPError) as same:  # what a browser has is not sent again
+        urllib.request.urlopen(urllib.request.Request(address + "app.js", headers=tag))
+    assert same.value.code == 304
     ws = address.replace("http", "ws") + "machine"
     for origin in ("http://evil.example", None):
         with pytest.raises(InvalidStatus):
