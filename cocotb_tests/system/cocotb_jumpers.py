@@ -8,9 +8,12 @@ from cocotb_tests.lib.req import test, tests_on, variants
 from cocotb_tests.lib.tb import (
     ARMED,
     B_DOUBLE,
+    B_INDEX,
     B_TO_JOINT,
     BASE,
     C_DONE,
+    C_INDEX1,
+    C_INDEX2,
     LATCH,
     LATCH_ALL,
     PCCSR,
@@ -89,10 +92,11 @@ async def moved_base_and_dip(tb):
     """The window is where the jumpers say; cards answer at their switches and nowhere else."""
     answered = [s for s in range(32) if await tb.vme.answers(s << 11 | 0x409)]
     assert answered == [0b10110]
-    tb.dut.dip_i.value = dip(6, *[10] * 15)
-    await tb.clocks(2)
-    found = [c for c in range(16) if await tb.rd(c << 6 | PORT_A << 1 | 1) != 0xFF]
-    assert found == [6, 10]
+    for first, others in ((6, 10), (9, 5), (6, 10)):
+        tb.dut.dip_i.value = dip(first, *[others] * 15)
+        await tb.clocks(2)
+        found = {c for c in range(16) if await tb.rd(c << 6 | PORT_A << 1 | 1) != 0xFF}
+        assert found == {first, others}
 
 
 @moved_test("INT-2", "JMP-1")
@@ -247,9 +251,9 @@ async def random_power_up(tb):
     assert [tb.volts(a) for a in (0, 1)] == [0, 0]
 
 
-@moved_test("CRD-1", "MAP-1", "LAT-1", "ENC-1")
+@moved_test("CRD-1", "MAP-1", "LAT-1", "ENC-1", "CAL-1")
 async def sixteen_cards(tb):
-    """32 axes: separate registers, one latch, every counter counts."""
+    """32 axes: separate registers, one latch, every counter counts, each has its index."""
     for card in range(16):
         await tb.cwr(card, PORT_A, 5 | card << 3)
     for axis in range(32):
@@ -266,16 +270,25 @@ async def sixteen_cards(tb):
     for axis in range(32):
         assert await tb.encoder(axis) == 0x100 * axis + 2, f"axis {axis} latched"
         assert await tb.encoder(axis) == 0x100 * axis + 3, f"axis {axis} live"
+    for card in range(16):
+        await tb.cwr(card, PORT_B, RUN | B_INDEX)
+    for axis in range(32):
+        await tb.enc[axis].index(500)
+        seen = [await tb.crd(c, PORT_C) & (C_INDEX1 | C_INDEX2) for c in range(16)]
+        marks = [C_INDEX1 * (2 * c <= axis) | C_INDEX2 * (2 * c < axis) for c in range(16)]
+        assert seen == marks, f"axis {axis} alone has its index"
 
 
 @moved_test("CRD-1", "DAC-1", "HB-2", "PAN-1")
 async def sixteen_cards_drive(dut, tb):
     """Each D/A moves its own output only; the last axis written ends PANIC."""
     volts = [0] * 32
-    for axis in range(32):
-        assert int(dut.panic_o.value) == 1
-        await tb.dac(axis, 0x800 + 16 * (axis + 1))
-        await tb.clocks(5)
-        volts[axis] = (128 if axis in (1, 2) else 256) * (axis + 1)  # two have a span of 10 V
-        assert [tb.volts(a) for a in range(32)] == volts
+    for sign in (1, -1):
+        for axis in range(32):
+            assert int(dut.panic_o.value) == (sign > 0)
+            await tb.dac(axis, 0x800 + sign * 16 * (axis + 1))
+            await tb.clocks(5)
+            span = 128 if axis in (1, 2) else 256  # two have one of 10 V
+            volts[axis] = sign * span * (axis + 1)
+            assert [tb.volts(a) for a in range(32)] == volts
     assert int(dut.panic_o.value) == 0
