@@ -71,7 +71,7 @@ def test_the_first_hour_tells_what_the_design_expects(mmcs, tmp_path):
     motor.write_text(re.search(r"```toml motor.toml\n(.*?)```", page, re.S)[1])
     said = mmcs("design", "--wn", "80", "--robot", str(motor))[1]
     rise, off = re.search(r"rises in (\d+) ms, .* ends (\d+) counts off", said).groups()
-    told = f"is expected to rise in {rise} ms and to end {off} counts off"
+    told = f"rises in {rise} ms and ends {off} counts from its setpoint"
     assert told in " ".join(page.split())
 
 

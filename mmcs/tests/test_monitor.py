@@ -78,7 +78,7 @@ def bounce(folder, watched):
             assert bench.sim.run(0.2 + 0.002 * n)
             if page and n % 5 == 0:
                 page.ask(AGAIN)
-            bench.server._signal()  # time passed by the test's hand, not by a step
+            bench.server.signal()  # time passed by the test's hand, not by a step
             if signals:
                 signals.clear()
                 events += bounced(program, setpoints)

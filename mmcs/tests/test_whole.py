@@ -109,7 +109,7 @@ def test_a_stop_within_an_exec_of_a_text_has_its_own_status(tmp_path):
     text += "files.named = lambda: exec('raise KeyboardInterrupt(15)'); main(['list'])"
     (tmp_path / "stopped.py").write_text(text)
     done = ran(sys.executable, "-m", "stopped", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (143, "mmcs: stopped\n")
+    assert (done.returncode, done.stderr.strip()) == (143, "mmcs: stopped")
 
 
 def test_results_are_on_the_disk_before_their_names(tmp_path, monkeypatch):

@@ -88,7 +88,7 @@ def test_a_record_of_the_page_replays_natively_with_what_a_person_did(opened, tm
         "MSETPARAM",
     ]
     assert record.data["event"][-1]["input"] == "pot_noise"
-    assert replay(record) == (hash_, None)
+    assert replay(record) == (hash_, None, "")
     header, first = saved(page, tmp_path, "log").read_text().splitlines()[:2]
     assert header.startswith("t_s,setpoint_0,encoder_0") and first.startswith("0.")
 
