@@ -19,7 +19,7 @@ static int is_alive(struct mc *mc, int card, uint8_t port_c) {
  * whose card does. An index that came while the pair was being read is trusted only if the count
  * before and after agree; else the next index is waited for. */
 static void read_index(struct mc *mc, struct mc_sample *s, int axis, int armed, const uint8_t *v) {
-  uint8_t mask = INDEX_BM(axis), before = v[0], after = v[5];
+  uint8_t mask = (uint8_t)INDEX_BM(axis), before = v[0], after = v[5];
   int waits = armed && mc->axis[axis].calib;
   if ((before & mask) != 0) {
     s->index[axis] = s->counter[axis];

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: every check that needs scenario and robot together stands beside the value it checks.
 """A scenario and its robot put together: what the engine and the driver are given.
 
 Also finds the mistakes that no single file shows: an axis that the robot lacks, a motion that

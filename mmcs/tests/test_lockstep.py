@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# Length: each rule has a small program of its own, which stands in its test.
 """Lock-step: time passes only while every attached program waits, so that programs repeat."""
 
 import os

@@ -106,8 +106,7 @@ static void others_ran(struct turns *t, const struct line *but) {
   EACH_LINE(t, p, l) if (l != but && wants(l, WAIT_FILES)) l->look = 1;
 }
 
-static void drop(struct turns *t, struct line *l) {
-  struct process *p = l->process;
+static void drop(struct turns *t, struct process *p, struct line *l) {
   struct line **at = &p->lines;
   while (*at != l) at = &(*at)->next;
   *at = l->next;
@@ -124,8 +123,8 @@ static void drop(struct turns *t, struct line *l) {
 /* A thread says that it ends. A line that ends unsaid: all of the program does. */
 void leave_line(struct turns *t, struct line *l, int says_so) {
   struct process *p = l->process;
-  if (says_so) drop(t, l);
-  while (!says_so && p->lines != NULL) drop(t, p->lines);
+  if (says_so) drop(t, p, l);
+  while (!says_so && p->lines != NULL) drop(t, p, p->lines);
   if (p->lines == NULL && p->state == THERE) p->state = STARTING; /* another program, or its end */
 }
 
@@ -136,7 +135,7 @@ void open_line(struct turns *t, int fd, uint64_t kind, uint64_t key, int pid) {
   if ((kind & 0xFF) == LINE_THREAD) {
     p->expected--;
   } else {
-    while (p->lines != NULL) drop(t, p->lines); /* of the program that it was before */
+    while (p->lines != NULL) drop(t, p, p->lines); /* of the program that it was before */
     p->expected = 0;
   }
   if (p->state == STARTING) p->state = THERE; /* also if main() has ended before a thread began */
@@ -175,7 +174,7 @@ static int forget(struct turns *t, int all) {
       continue;
     }
     *at = p->next;
-    while (p->lines != NULL) drop(t, p->lines);
+    while (p->lines != NULL) drop(t, p, p->lines);
     if (p->handle >= 0) (void)close(p->handle);
     if (p->later != NULL) (void)munmap(p->later, sizeof(*p->later));
     free(p);

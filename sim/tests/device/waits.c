@@ -254,7 +254,7 @@ static void kin(void) {
   TIMED(wait4(-1, NULL, 0, NULL) > 0);
   child();
   ualarm(1000, 0);
-  (void)siginterrupt(SIGALRM, 1); /* without SA_RESTART */
+  (void)siginterrupt(SIGALRM, 1);  /* without SA_RESTART */
   TIMED(wait4(-1, NULL, 0, NULL)); /* ends with the alarm */
   TIMED(waitid(P_ALL, 0, &info, WEXITED));
 }
