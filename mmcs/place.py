@@ -13,9 +13,10 @@ import stat
 import sys
 import threading
 from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
 
-from mmcs.errors import RunError
+from mmcs.errors import InputError, RunError
 
 _PACKAGE = Path(__file__).resolve().parent
 IN_CHECKOUT = (_PACKAGE.parent / "sim" / "Makefile").is_file()
@@ -66,6 +67,12 @@ def _check_owner(folder: Path) -> None:
                 f"{place}: another user may write there, and builds in it would run as you; "
                 "set XDG_CACHE_HOME to a folder of your own"
             )
+
+
+def need(packages: tuple[str, ...], extra: str, who: str) -> None:
+    """Raises InputError, of `who`, where one of these is not installed; they are of [extra]."""
+    if not all(map(find_spec, packages)):
+        raise InputError.one(who, "", None, f"needs its packages: {installs(extra)}")
 
 
 def installs(extra: str) -> str:

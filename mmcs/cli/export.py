@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs export film|fmu|mcap`: runs and machines for tools that others wrote."""
 
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
 from mmcs.errors import InputError
 from mmcs.files import short
-from mmcs.place import installs
+from mmcs.place import installs, need
 from mmcs.screen import echo
 
 
@@ -36,8 +35,7 @@ def film(run: str, slower: float) -> None:
     from mmcs.view.film import write_gif
     from mmcs.view.runs import read_run
 
-    if find_spec("matplotlib") is None or find_spec("PIL") is None:
-        raise InputError.one("film", "", None, f"needs its packages: {installs('film')}")
+    need(("matplotlib", "PIL"), "film", "film")
     seen = read_run(run)
     with whole_file(seen.folder / "film.gif") as part:
         frames = write_gif(seen, part, slower)

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs tool`: mctool (§3) in the browser."""
 
-from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
 from mmcs.errors import InputError
-from mmcs.place import installs
+from mmcs.place import need
 from mmcs.screen import echo
 
 
@@ -35,8 +34,7 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no
     from mmcs.scenario.load import load
     from mmcs.tool.launch import open_browser, start
 
-    if find_spec("websockets") is None:
-        raise InputError.one("mmcs tool", "", None, f"needs its packages: {installs('tool')}")
+    need(("websockets",), "tool", "mmcs tool")
     if interval is not None and not 0.1 <= interval <= 1e6:
         raise InputError.one("-t", "", interval, "must be 0.1 to 1000000 ms")
     options = {}

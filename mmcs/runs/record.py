@@ -46,13 +46,11 @@ class Record:
     def points(self) -> list[tuple[int, int, int, int]]:
         return list(POINT.iter_unpack(base64.b64decode(self.text["checkpoints"])))
 
-    def setup(self, folder: Path):
-        """The run's setup, from files written into this folder, and checked as any."""
-        from mmcs.scenario.setup import make_setup
+    def setup(self):
+        """The run's setup, checked as any."""
+        from mmcs.scenario.load import setup_of
 
-        for name, text in self.files.items():
-            (folder / name).write_text(text)
-        return make_setup(folder / f"{self.text['scenario']}.toml", dict(self.text["data"]))
+        return setup_of(Path(f"{self.text['scenario']}.toml"), dict(self.data), self.files)
 
 
 # --- writing -----------------------------------------------------------------------------------

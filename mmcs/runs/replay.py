@@ -2,7 +2,6 @@
 """`mmcs replay` and `mmcs trace`: a run made again from its record."""
 
 import math
-import tempfile
 from pathlib import Path
 
 from mmcs import __version__
@@ -19,8 +18,7 @@ def replay(record: Record) -> tuple[str, str | None, str]:
     of another build ("": it is the same)."""
     from mmcs.runs.runner import simulate
 
-    with tempfile.TemporaryDirectory() as folder:
-        result = simulate(record.setup(Path(folder)), host=check(record.host, record.path, "host"))
+    result = simulate(record.setup(), host=check(record.host, record.path, "host"))
     return result.hash, _difference(record, result), _other_build(record, result)
 
 
@@ -82,8 +80,7 @@ def stretch(
 
 def _first_moment(record: Record, window_s: float, end: float) -> tuple[float, float]:
     """From the first event, or the first setpoint."""
-    with tempfile.TemporaryDirectory() as folder:
-        begin = record.motion_start_s + record.setup(Path(folder)).moment()
+    begin = record.motion_start_s + record.setup().moment()
     begin = max(record.motion_start_s, min(begin, end - window_s))
     return begin, min(end, begin + window_s)
 
@@ -116,17 +113,16 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> tuple[str |
     from mmcs.runs.stretch import Changing
 
     host = check(record.host, record.path, "host")
-    with tempfile.TemporaryDirectory() as folder:
-        setup = record.setup(Path(folder))
-        with (
-            machine(setup, host=host) as quick,
-            machine(setup, "trace", host=host) as traced,
-            progress(setup.scenario.duration) as advance,
-        ):
-            # programs stay with one machine
-            start = math.inf if setup.scenario.program else record.motion_start_s
-            sim = Changing(quick, traced, path, (from_s, to_s), start)
-            result = session_of(sim, setup).run(advance)
+    setup = record.setup()
+    with (
+        machine(setup, host=host) as quick,
+        machine(setup, "trace", host=host) as traced,
+        progress(setup.scenario.duration) as advance,
+    ):
+        # programs stay with one machine
+        start = math.inf if setup.scenario.program else record.motion_start_s
+        sim = Changing(quick, traced, path, (from_s, to_s), start)
+        result = session_of(sim, setup).run(advance)
     other = _other_build(record, result)
     if result.assertion:
         notes = [n["text"] for n in result.notes if n["kind"] == "assert"]

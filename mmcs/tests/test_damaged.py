@@ -47,7 +47,7 @@ def test_damaged_record(good_run, tmp_path):
     for n in range(250):
         (tmp_path / "run.mmcs").write_bytes(damaged(whole, chance))
         try:
-            read_record(str(tmp_path)).setup(tmp_path)
+            read_record(str(tmp_path)).setup()
         except Exception as error:
             assert type(error) is InputError, (n, repr(error))
 

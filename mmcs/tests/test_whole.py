@@ -195,9 +195,7 @@ def test_record_is_of_what_was_loaded(run, tmp_path, monkeypatch):
     assert run(text)[0] == 0
     record = read_record(str(tmp_path / "out"))
     assert record.files == {"robot.toml": before, "table1.csv": "0\n10\n"}
-    again = tmp_path / "again"
-    again.mkdir()
-    assert record.setup(again).axes == 1
+    assert record.setup().axes == 1
 
 
 # --- out of memory -----------------------------------------------------------------------------

@@ -12,14 +12,12 @@ import math
 import os
 import shutil
 import subprocess
-from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from mmcs.errors import InputError
 from mmcs.folder import whole_file
-from mmcs.place import installs
+from mmcs.place import need
 from mmcs.screen import echo
 from mmcs.view.moments import Pass, first_missed, first_panic, first_pass
 from mmcs.view.names import write_tables
@@ -154,8 +152,7 @@ GROUPS = {
 
 def check_packages() -> None:
     """Raises InputError where the package that reads a trace is not installed."""
-    if find_spec("pywellen") is None:
-        raise InputError.one("waveforms", "", None, f"needs its packages: {installs('waves')}")
+    need(("pywellen",), "waves", "waveforms")
 
 
 def write_views(trace: Path) -> tuple[Path, Path]:
