@@ -28,12 +28,7 @@ SETTINGS = {
     "default-timeout": ["UV_HTTP_TIMEOUT"],
     "timeout": ["UV_HTTP_TIMEOUT"],
 }
-ALWAYS = {
-    "UV_SYSTEM_CERTS": "1",
-    "NODE_USE_SYSTEM_CA": "1",
-    "npm_config_fetch_retry_mintimeout": "1000",  # npm would be silent for a minute
-    "npm_config_fetch_retry_maxtimeout": "5000",
-}
+ALWAYS = {"UV_SYSTEM_CERTS": "1", "NODE_USE_SYSTEM_CA": "1"}
 REMEDIES = [  # words of a failure, what to do
     (("certificate", "self-signed", "self signed", "unknownissuer", "tls"),
      "a proxy has its own certificate: install it in the system, or"

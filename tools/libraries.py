@@ -26,15 +26,18 @@ def tarball(name: str, version: str) -> str:
 
 
 def unpack(data: bytes, folder: Path) -> None:
-    """Replaces the folder by the files of a tarball, which all lie in one folder of it."""
-    shutil.rmtree(folder, ignore_errors=True)
+    """Replaces the folder by the files of a tarball, all in one folder of it; or not at all."""
+    part = folder.with_name(f"{folder.name}.new")
+    shutil.rmtree(part, ignore_errors=True)
     with tarfile.open(fileobj=io.BytesIO(data)) as packed:
         for member in packed:
             parts = PurePosixPath(member.name).parts[1:]
             if member.isfile() and ".." not in parts:
-                path = folder.joinpath(*parts)
+                path = part.joinpath(*parts)
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes(packed.extractfile(member).read())
+    shutil.rmtree(folder, ignore_errors=True)
+    part.rename(folder)
 
 
 def fetch(folder: Path, dev: bool) -> None:

@@ -13,6 +13,7 @@ import tarfile
 import threading
 import zipfile
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -163,6 +164,10 @@ def test_a_library_of_the_page_is_what_the_lock_names_or_refused(tmp_path, monke
         libraries.fetch(tmp_path / "to", dev=False)
     assert not (tmp_path / "to").exists()
     lock(digest)
+    with monkeypatch.context() as killed, pytest.raises(KeyboardInterrupt):
+        killed.setattr(Path, "write_bytes", Mock(side_effect=KeyboardInterrupt))
+        libraries.fetch(tmp_path / "to", dev=False)
+    assert not (tmp_path / "to" / "one").exists(), "half a package is none"
     libraries.fetch(tmp_path / "to", dev=False)
     assert [p.name for p in (tmp_path / "to").rglob("*")] == ["one", "package.json"]
     assert not (tmp_path / "x").exists()
