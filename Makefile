@@ -152,7 +152,7 @@ formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SEED
 	@JOBS=$(JOBS) $(BIN)/python tools/$(if $(SEEDED),mutation/faults.py proofs,formal.py $(if $(FAST),--fast)) \
 	    --only "$(ONLY)"
 
-mutation: $(VENV)/.test $(VENV)/.formal $(VENV)/.tool-test ## seeded faults and mutants that tests must catch; SHARE=0 to 9: a tenth; ONLY=TEXT
+mutation: $(VENV)/.test $(VENV)/.formal ## seeded faults and mutants that tests must catch; SHARE=0 to 9: a tenth; ONLY=TEXT
 	@tools/need_debian.sh iverilog iverilog
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py tests --only "$(ONLY)"
 	@JOBS=$(JOBS) $(BIN)/python tools/mutation/faults.py proofs --only "$(ONLY)"
