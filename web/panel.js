@@ -7,7 +7,6 @@ import { Drafts } from "./draft.js";
 import { errorWords, FIELDS, FLAGS, gainsOf, INT_MAX, INT_MIN, MC_FSCALE, MODE_MASK, MODE_NAMES, modeName,
   MODES, setpointScale } from "./params.js";  // prettier-ignore
 
-const POWER_ENDS = ["stopped", "panic"]; // what the page makes ends too
 const SQUARE_MS = 1000; // half a period, in the machine's time
 const GAINS = { p: 30000, i: 100000, d: 300 }; // ends of the sliders, %
 const GP1 = 8; // the axis's light among its card's
@@ -25,7 +24,8 @@ export class Panel {
     );
     this.#build();
     this.machine.addEventListener("event", ({ detail: { kind, value } }) => {
-      if (POWER_ENDS.includes(kind) || (kind === "enabled" && !value) || kind === "rewind") this.#rest();
+      const powerEnds = kind === "stopped" || (kind === "panic" ? value : kind === "enabled" && !value);
+      if (powerEnds || kind === "rewind") this.#rest(); // PANIC ends at Enable
     });
     this.machine.addEventListener("control", () => this.#rest());
   }
