@@ -84,7 +84,13 @@ def installs(extra: str) -> str:
 
     wanted = (entry.split(";") for entry in requires("mmcs") or ())
     names = [name.strip() for name, *when in wanted if f'"{extra}"' in "".join(when)]
-    return f"{sys.executable} -m pip install {' '.join(names)}"
+    if Path(sys.prefix, "pipx_metadata.json").is_file():
+        by = "pipx inject mmcs"
+    elif find_spec("pip"):
+        by = f"{sys.executable} -m pip install"
+    else:  # an environment that uv made
+        by = f"uv pip install --python {sys.executable}"
+    return f"{by} {' '.join(names)}"
 
 
 def is_whole(path: Path, made_of: str = "") -> bool:

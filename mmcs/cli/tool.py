@@ -29,12 +29,12 @@ def tool(scenario, attach, interval, frozen, zero, theme, deadman, own, port, no
 
     Writes nothing at the start unless -t or -z are given. Ends with Ctrl-C or SIGTERM.
     """
+    need(("websockets",), "tool", "mmcs tool")
     from mmcs.labs import offered
     from mmcs.runs.machine import library_of
     from mmcs.scenario.load import load
     from mmcs.tool.launch import open_browser, start
 
-    need(("websockets",), "tool", "mmcs tool")
     if interval is not None and not 0.1 <= interval <= 1e6:
         raise InputError.one("-t", "", interval, "must be 0.1 to 1000000 ms")
     options = {}

@@ -145,13 +145,24 @@ def test_the_command_that_installs_an_extra_is_true_where_it_is_told(monkeypatch
     assert "mmcs" not in place.installs("dask").removeprefix(sys.executable)
 
 
+def test_that_command_where_pipx_or_uv_made_the_environment(monkeypatch, tmp_path):
+    monkeypatch.setattr(place, "IN_CHECKOUT", False)
+    monkeypatch.setattr(place, "find_spec", lambda name: None)  # uv's have no pip
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert place.installs("study") == f"uv pip install --python {sys.executable} pandas"
+    (tmp_path / "pipx_metadata.json").touch()
+    assert place.installs("study") == "pipx inject mmcs pandas"
+
+
 @pytest.mark.parametrize("command, extra", [
     ("tool lab500", "tool"), ("export mcap none", "tool"),
     ("trace none", "waves"), ("export film none", "film"),
 ])  # fmt: skip
 def test_a_command_without_its_packages_is_one_line(mmcs, monkeypatch, command, extra):
-    monkeypatch.setattr(place, "find_spec", lambda name: None)
-    monkeypatch.setitem(sys.modules, "mmcs.view.mcap_file", None)
+    for package in ("websockets", "mcap", "pywellen", "matplotlib"):
+        monkeypatch.setitem(sys.modules, package, None)
+    for module in ("mmcs.view.mcap_file", "mmcs.tool.launch", "mmcs.tool.pages"):
+        monkeypatch.delitem(sys.modules, module, raising=False)
     one_clear_line(mmcs(*command.split()), f"make .venv/.{extra}")
 
 
