@@ -44,7 +44,7 @@ def replay(run: str) -> None:
 def trace(
     run: str, at: str | None, window: float, whole: bool, out: Path | None, view: bool
 ) -> None:
-    """Waveforms of a stretch of a run, with a prepared view.
+    """Waveforms of a part of a run, with a prepared view.
 
     RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again, in the stretch
     clock by clock with all assertions live. Without --at the stretch begins at the first event, or

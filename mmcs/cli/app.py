@@ -141,7 +141,7 @@ def list_() -> None:
 @_scenario
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 def show(scenario: str, sets: tuple[str, ...]) -> None:
-    """Show what a scenario amounts to, robot and defaults included."""
+    """Show what a scenario contains, robot and defaults included."""
     from mmcs.scenario.describe import show_setup
     from mmcs.scenario.load import load
 

@@ -23,7 +23,7 @@ from mmcs.screen import echo
 @many_runs("campaign")
 @click.option("--show", type=int, metavar="N", help="Only tell of fault N, and how to make it.")
 def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resume, show) -> None:
-    """Flip, break, kill: what becomes of it, and does anybody notice? Status 0 done, 2 bad input.
+    """Inject random faults, one in each run, and classify them. Status 0 done, 2 bad input.
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
     """

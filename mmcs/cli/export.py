@@ -23,7 +23,7 @@ def _out(suffix: str):
 
 @click.group()
 def export() -> None:
-    """Write a run or a machine for tools that others wrote."""
+    """Write a run or a machine for other tools."""
 
 
 @export.command()

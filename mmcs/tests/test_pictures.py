@@ -24,7 +24,7 @@ from tools.compiled import ran
 def folder(tmp_path):
     """Writes a run of one axis (or an arm) whose encoder goes up by `slope` a sample."""
 
-    def write(name, slope=1, axes=1, links=(), hash_="0x1"):
+    def write(name, slope=1, axes=1, links=(), hash_="0x1", late_s=0.0):
         path = tmp_path / name
         path.mkdir()
         named = [{"axis": n, "name": f"J{n}"} for n in range(axes)]
@@ -33,7 +33,7 @@ def folder(tmp_path):
         rows = [",".join(logcols.header(axes))]
         for k in range(50):
             one = [10, k * slope, slope, 10 - k * slope, k, 0, 0.01 * k]
-            rows.append(",".join(str(v) for v in [k * 1e-3] + one * axes))
+            rows.append(",".join(str(v) for v in [k * 1e-3 + late_s] + one * axes))
         (path / "log.csv").write_text("\n".join(rows) + "\n")
         return path
 
@@ -57,6 +57,13 @@ def test_compare_two_runs(mmcs, folder):
     assert ">a</text>" in picture and ">b</text>" in picture
     out = good(mmcs("compare", a, a, "--out", b / "same.svg"))
     assert "the same run to the bit" in out and (b / "same.svg").is_file()
+
+
+def test_compare_with_a_host_whose_samples_come_between(mmcs, folder):
+    out = good(mmcs("compare", folder("a"), folder("b", hash_="0x2", late_s=0.0005)), silent=True)
+    row = next(line for line in out.splitlines() if "0 J0" in line)
+    assert row.replace("│", " ").split()[2:5] == ["0.5", "-", "-"]
+    assert "sampled at other times" in out
 
 
 def test_compare_mistakes(mmcs, folder, tmp_path):

@@ -18,19 +18,23 @@ LABELS = (("position", "counts"), ("error", "counts"), ("current", "D/A"))
 
 
 def differences(a: Run, b: Run) -> list[dict]:
-    """Per axis: the largest difference of each signal at the samples that both have."""
+    """Per axis: the largest difference of each signal at the samples that both have. If they have
+    none, as with another host: of the encoder at those of A, on straight lines between B's."""
     if a.axes != b.axes:
         names = [getattr(run, "folder", run) for run in (a, b)]
         raise InputError.one(names[1], "", None, f"has {b.axes} axes, {names[0]} has {a.axes}")
-    times = np.intersect1d(a.log[:, 0], b.log[:, 0])
-    rows_a, rows_b = (np.isin(run.log[:, 0], times) for run in (a, b))
+    at, other = a.log[:, 0], b.log[:, 0]
+    times = np.intersect1d(at, other)
+    signals = SIGNALS
+    if len(times) == 0 and len(other):
+        times, signals = at[(at >= other[0]) & (at <= other[-1])], SIGNALS[:1]
     out = []
     for axis in range(a.axes):
         seen = {"axis": axis, "name": a.report["axes"][axis].get("name", "")}
-        for signal in SIGNALS:
-            delta = a.column(axis, signal)[rows_a] - b.column(axis, signal)[rows_b]
-            seen[signal] = float(np.abs(delta).max()) if len(delta) else None
-        out.append(seen)
+        for signal in signals if len(times) else ():
+            of_a, of_b = (np.interp(times, r.log[:, 0], r.column(axis, signal)) for r in (a, b))
+            seen[signal] = float(np.abs(of_a - of_b).max())
+        out.append(dict.fromkeys(SIGNALS) | seen)
     return out
 
 
@@ -66,6 +70,8 @@ def print_comparison(a: Run, b: Run, found: list[dict]) -> None:
         name = cell(f"{seen['axis']} {seen['name']}".strip())
         table.add_row(name, *(shown(seen[signal]) for signal in SIGNALS), *figures)
     console().print(table)
+    if found[0][SIGNALS[1]] is None:
+        console().print("-: sampled at other times; the encoder of B is taken between its samples")
 
 
 def _line(cell, run: Run, axis: int, signal: str, *look, **more) -> None:
