@@ -24,6 +24,7 @@ class Pair:
         for action in actions:
             got = [lockstep.act(sim, action, self.numbers) for sim in self.both]
             assert got[0] == got[1], (case, action, lockstep.failure(self.plain))
+            assert self.plain.clock == self.skipping.clock, (case, action)
         return got[0]
 
     def hashes_are_equal(self):
@@ -41,9 +42,6 @@ def pair(request):
         yield Pair(plain, skipping)
 
 
-BOTH_ROBOTS = pytest.mark.parametrize("pair", ["lab500", "puma560"], indirect=True)
-
-
 @pytest.mark.parametrize(
     ("name", "seed", "upsets"),
     [
@@ -59,102 +57,79 @@ def test_a_stranger_finds_no_difference(name, seed, upsets):
     assert lockstep.lockstep_torture(seed, 1600, name, upsets) > 100_000
 
 
-@pytest.mark.req("INT-1")
-def test_a_fault_of_two_clocks_ends(pair):
-    """The edge detector that was held at 1 sees again what SCLOCK is, in the machine and in boards
-    that were at rest meanwhile."""
-    pair.act(("run", 1000), ("event", 1e-6, "irq_lost", 0, 1),
-             ("event", 1.25e-6, "irq_lost", 0, 0), ("run", 1000))  # fmt: skip
-    assert not lockstep.failure(pair.plain)
-    assert pair.hashes_are_equal() and pair.registers_are_equal()
+PCCSR, ASK = ("write", regs.PCCSR, 0x2D, 1, 0xF8), ("read", regs.PCCSR, 0x2D, 1)
+PORT_A = regs.card_offset(0, regs.CARD_PPI_A)
 
 
-@pytest.mark.req("PAN-2")
-@pytest.mark.parametrize("name", ["pc_power", "cable"])
-def test_a_command_cut_short(pair, name):
-    """Power or cable away for a few clocks, ending at every clock of a read: the same answer."""
-    answers = set()
-    for back in range(3, 20):
-        for lost in (1, 2, 3):
-            answers.add(pair.act(
-                ("write", regs.PCCSR, 0x2D, 1, 0xF8),
-                ("event", (back - lost) / lockstep.CLK_HZ, name, 0, 0),
-                ("event", back / lockstep.CLK_HZ, name, 0, 1),
-                ("read", 15, 0x2D, 1),
-                case=(back, lost),
-            ))  # fmt: skip
-            pair.act(("run", 2000))  # the reset of the cards is over
-            assert pair.hashes_are_equal(), (back, lost)
-    assert answers == {0, 0xFF}
+def put(register, value):
+    """A write to a register of card 0."""
+    return ("write", regs.card_offset(0, register), 0x2D, 1, value)
 
 
-@pytest.mark.req("CRD-1")
-@BOTH_ROBOTS
-def test_a_switch_moves_within_a_command(pair):
-    """The card's address leaves and comes back, at every clock of a write and after it: what the
-    card did not hear in between is over for it, too."""
-    for away in range(1, 18):
-        for back in (away + 1, 60):
-            pair.act(
-                ("write", regs.PCCSR, 0x2D, 1, 0xF8),
-                ("event", away / lockstep.CLK_HZ, "dip_xor", 0, 8),
-                ("event", back / lockstep.CLK_HZ, "dip_xor", 0, 0),
-                ("write", regs.card_offset(0, regs.CARD_ENC1_MSB), 0x2D, 1, away),
-                ("run", 100),
-                case=(away, back),
-            )
-            assert pair.hashes_are_equal(), (away, back)
-    assert not lockstep.failure(pair.plain)
+def at(clock, name, value):
+    """An input of the machine, card 0 or axis 0, so many clocks from now."""
+    return ("event", clock / lockstep.CLK_HZ, name, 0, value)
 
 
-@pytest.mark.req("CRD-1")
-@BOTH_ROBOTS
-def test_data_move_within_a_command(pair):
-    """A bit of the bus master's data register flips at every clock of a write: the card sees it."""
-    port, seen = regs.card_offset(0, regs.CARD_PPI_A), set()
-    for after in range(1, 18):
-        seen.add(pair.act(
-            ("write", regs.PCCSR, 0x2D, 1, 0xF8),
-            ("write", regs.card_offset(0, regs.CARD_PPI_CONTROL), 0x2D, 1, 0x80),
-            ("event", after / lockstep.CLK_HZ, "seu.u_adaptor.u_core.u_master.d_q", 0, 16),
-            ("write", port, 0x2D, 1, 1),
-            ("run", 100),
-            ("read", port, 0x2D, 1),
-            case=after,
-        ))  # fmt: skip
-        assert pair.hashes_are_equal(), after
-    assert seen == {1, 17}
+def cut_short(name):
+    """Power or cable away for a few clocks, ending at every clock of a read; then the reset of the
+    cards is over."""
+    return [[PCCSR, at(back - lost, name, 0), at(back, name, 1), ("read", 15, 0x2D, 1),
+             ("run", 2000)] for back in range(3, 20) for lost in (1, 2, 3)]  # fmt: skip
 
 
-def test_a_wire_comes_back_while_a_pulled_card_is_asked(pair):
-    """An encoder's wire leaves between two accesses to a card that is pulled, and is back within
-    the second: nobody waited for the first edge, and the second must not be taken for none."""
-    port = regs.card_offset(0, regs.CARD_PPI_A)
-    ready = [("write", regs.PCCSR, 0x2D, 1, 0xF8),
-             ("write", regs.card_offset(0, regs.CARD_PPI_CONTROL), 0x2D, 1, regs.PPI_MODE_BOARD),
-             ("write", regs.card_offset(0, regs.CARD_PPI_B), 0x2D, 1,
-              regs.CARD_PPI_B_ENC_JOINT_BM),
-             ("write", port, 0x2D, 1, 5),
-             ("event", 0, "encoder_glitch", 0, 20_000),
-             ("event", 0, "card_absent", 0, 1)]  # fmt: skip
-    for action in ready + [("run", 20), ("write", port, 0x2D, 1, 5)] * 1000:
-        pair.act(action)
-        # else the first edge would be waited for
-        assert action[0] != "write" or pair.hashes_are_equal()
+# The card's address leaves and comes back, at every clock of a write and after it: what the card
+# did not receive in between is over for it, too.
+SWITCH = [
+    [PCCSR, at(away, "dip_xor", 8), at(back, "dip_xor", 0), put(regs.CARD_ENC1_MSB, away),
+     ("run", 100)] for away in range(1, 18) for back in (away + 1, 60)
+]  # fmt: skip
+# A bit of the bus master's data register flips at every clock of a write: the card sees it.
+DATA = [
+    [PCCSR, put(regs.CARD_PPI_CONTROL, 0x80), at(after, "seu.u_adaptor.u_core.u_master.d_q", 16),
+     put(regs.CARD_PPI_A, 1), ("run", 100), ("read", PORT_A, 0x2D, 1)] for after in range(1, 18)
+]  # fmt: skip
+# An encoder's wire leaves between two accesses to a card that is pulled, and is back within the
+# second: the first edge was not waited for, and the second must not be taken for none.
+WIRE = [
+    [PCCSR, put(regs.CARD_PPI_CONTROL, regs.PPI_MODE_BOARD),
+     put(regs.CARD_PPI_B, regs.CARD_PPI_B_ENC_JOINT_BM), put(regs.CARD_PPI_A, 5),
+     at(0, "encoder_glitch", 20_000), at(0, "card_absent", 1)],
+    *[[("run", 20), put(regs.CARD_PPI_A, 5)]] * 1000,
+]  # fmt: skip
+# SYSRESET* ends so late in a read that DTACK* comes in the clock in which the master gives up: the
+# level that it then waits for may go within the clock that shows it.
+WAIT = [
+    [at(0, "sysreset", 1), ("run", 10), at(after, "sysreset", 0), ASK, ("run", 300)]
+    for after in range(110, 135)
+]
+# The edge detector that was held at 1 sees again what SCLOCK is, in the machine and in boards that
+# were at rest meanwhile.
+HELD = [[("run", 1000), at(8, "irq_lost", 1), at(10, "irq_lost", 0), ("run", 1000)]]
+FOUND = {
+    "power": ("lab500", cut_short("pc_power"), {0, 0xFF}, "PAN-2"),
+    "cable": ("lab500", cut_short("cable"), {0, 0xFF}, "PAN-2"),
+    "switch": ("lab500", SWITCH, set(), "CRD-1"),
+    "switch of six axes": ("puma560", SWITCH, set(), "CRD-1"),
+    "data": ("lab500", DATA, {1, 17}, "CRD-1"),
+    "data of six axes": ("puma560", DATA, {1, 17}, "CRD-1"),
+    "wire": ("lab500", WIRE, set(), "ENC-1"),
+    "wait": ("lab500", WAIT, {"TimeoutError", 0}, "VME-3"),
+    "held": ("lab500", HELD, set(), "INT-1"),
+}
 
 
-def test_an_answer_comes_as_the_waiting_ends(pair):
-    """SYSRESET* ends so late in a read that DTACK* comes in the clock in which the master gives up:
-    the level that it then waits for may go within the clock that shows it."""
-    seen = set()
-    for after in range(110, 135):
-        for action in (("event", 0, "sysreset", 0, 1), ("run", 10),
-                       ("event", after / lockstep.CLK_HZ, "sysreset", 0, 0),
-                       ("read", regs.PCCSR, 0x2D, 1), ("run", 300)):  # fmt: skip
-            seen.add(pair.act(action, case=after))
-            assert pair.plain.clock == pair.skipping.clock, after
-        assert pair.hashes_are_equal()
-    assert {"TimeoutError", 0} <= seen
+@pytest.mark.parametrize("pair, sequences, answers", [
+    pytest.param(*row, id=name, marks=pytest.mark.req(req)) for name, (*row, req) in FOUND.items()
+], indirect=["pair"])  # fmt: skip
+def test_what_was_a_difference_once(pair, sequences, answers):
+    """answers: all that reads give."""
+    got = set()
+    for number, actions in enumerate(sequences):
+        given = [pair.act(action, case=number) for action in actions]
+        got |= {is_ for is_, (what, *_) in zip(given, actions, strict=True) if what == "read"}
+        assert pair.hashes_are_equal(), number
+    assert got == answers and pair.registers_are_equal()
 
 
 def test_a_way_back_into_a_card_without_power(pair):

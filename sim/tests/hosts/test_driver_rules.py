@@ -67,24 +67,6 @@ def test_sysreset_is_told(host, enabled):
         assert sim.samples - samples > 40 and sim.signals(fd) == 0
 
 
-@pytest.mark.req("DRV-2")
-@pytest.mark.parametrize("host", HOSTS)
-def test_a_monitor_hands_nothing_on(host):
-    """The next program finds the interval of Table 2.1 and no latched stop."""
-    with bench(host) as sim:
-        monitor, fd = sim.open(0), sim.open()
-        ask(sim, fd, mcdef.MSETINTERVAL, 5000)
-        ask(sim, fd, mcdef.MSTOP)
-        sim.close(fd)
-        run(sim, 0.01)
-        before = sim.read(monitor)
-        fd = sim.open()
-        interval = sim.ioctl_bytes(fd, mcdef.MGETINTERVAL, b"")[1]
-        assert (int.from_bytes(interval, "little"), sim.stats()["stopped"]) == (2000, 0)
-        assert sim.write(fd, [0, 0]) == 8
-        assert [s["encnow"] for s in sim.read(fd)] == [s["encnow"] for s in before]
-
-
 @pytest.mark.req("DRV-7", "DRV-9")
 @pytest.mark.parametrize("host", HOSTS[1:])  # native code reads in no time
 def test_a_servo_that_cannot_keep_up_ends_in_panic(host):

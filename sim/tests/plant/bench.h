@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the plant's tests share: machines made from the robot files, and a small servo.
+// What the plant's tests share: machines made from the robot files.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,6 @@ namespace bench {
 
 inline constexpr int kClks = 400;  // 8 MHz
 inline constexpr int kGap = 2;
-inline constexpr double kLsb = 10.0 / 2048.0;  // V per D/A unit
 inline constexpr double kStepS = mmcs::kStepUs * 1e-6;
 inline constexpr double kGravity[3] = {0.0, 0.0, -9.81};
 
@@ -123,65 +122,5 @@ class Counter {
   std::vector<int> count_;
   std::vector<std::vector<int>> index_at_;
 };
-
-struct Law {
-  int64_t a0, a1, b0;
-  int ilim, ic_pos, ic_neg;
-};
-
-// One axis of the driver's PD law with Coulomb compensation; output appears one sample later.
-class Servo {
- public:
-  explicit Servo(const Law &law) : law_(law) {}
-  // Takes the encoder's count at a sample, gives the volts from this sample to the next.
-  double sample(int64_t setpoint, int64_t y) {
-    const double out = static_cast<double>(pending_) * kLsb;
-    if (first_) y1_ = y2_ = y, first_ = false;
-    const int64_t vel = (3 * y - 4 * y1_ + y2_) / 2;
-    const int64_t e = setpoint - y;
-    int64_t u = (law_.a0 * e + law_.a1 * e1_) / law_.b0;
-    const int64_t sign = vel != 0 ? vel : u;
-    if (sign > 0) u += law_.ic_pos;
-    if (sign < 0) u -= law_.ic_neg;
-    pending_ = std::clamp<int64_t>(u, -law_.ilim, law_.ilim);
-    e1_ = e;
-    y2_ = y1_;
-    y1_ = y;
-    return out;
-  }
-
- private:
-  Law law_;
-  int64_t e1_ = 0, y1_ = 0, y2_ = 0, pending_ = 0;
-  bool first_ = true;
-};
-
-struct Response {
-  double rise_ms, overshoot_pct, settle_ms;  // -1: never
-  int steady;                                // demand minus position at the end
-  int rest_pp;                               // movement in the last fifth
-};
-
-inline Response measure(const std::vector<int> &y, int demand, double ms) {
-  Response r = {-1, 0, -1, demand - y.back(), 0};
-  const double size = std::abs(demand);
-  double t10 = -1;
-  double peak = 0;
-  const double band = std::max(2.0, 0.02 * size);
-  size_t outside = 0;
-  for (size_t k = 0; k < y.size(); ++k) {
-    const double part = demand > 0 ? y[k] : -y[k];
-    if (t10 < 0 && part >= 0.1 * size) t10 = static_cast<double>(k) * ms;
-    if (r.rise_ms < 0 && part >= 0.9 * size) r.rise_ms = static_cast<double>(k) * ms - t10;
-    peak = std::max(peak, part);
-    if (std::abs(part - size) > band) outside = k + 1;
-  }
-  r.overshoot_pct = std::max(0.0, (peak - size) / size * 100.0);
-  if (outside < y.size()) r.settle_ms = static_cast<double>(outside) * ms;
-  const auto tail = y.end() - static_cast<long>(y.size() / 5);
-  const auto [lo, hi] = std::minmax_element(tail, y.end());
-  r.rest_pp = *hi - *lo;
-  return r;
-}
 
 }  // namespace bench

@@ -16,7 +16,6 @@ def fields() -> list[str]:
 
 
 def header() -> str:
-    known = tomllib.loads((ROOT / "studies" / "reference_gains.toml").read_text())
     lines = ["#pragma once", '#include "mmcs_sim.h"', "namespace robots {"]
     for path in sorted((ROOT / "sim" / "robots").glob("*.toml")):
         robot = tomllib.loads(path.read_text())
@@ -29,10 +28,6 @@ def header() -> str:
         lines.append("};")
         rotors = ", ".join(str(a["rotor_inertia"]) for a in robot["axis"])
         lines.append(f"inline constexpr double {name}_rotor_inertia[] = {{{rotors}}};")
-        gains = known.get(name, {}).get("pd_1000us")
-        gains = gains or [a["servo"]["pd_1000us"] for a in robot["axis"]]
-        pds = ", ".join("{" + ", ".join(map(str, g)) + "}" for g in gains)
-        lines.append(f"inline constexpr int {name}_pd_1000us[][3] = {{{pds}}};")
         if "link" in robot:
             lines.append(f"inline constexpr mmcs_link {name}_links[] = {{")
             for k in robot["link"]:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coupled arm: friction that holds, stops, energy, brakes, flexible axes, six servos at once.
+// The coupled arm: friction that holds, stops, energy, brakes, flexible axes.
 #include "arm.h"
 
 #include <cstddef>
@@ -24,49 +24,6 @@ std::vector<double> angles(const Plant &plant) {
   std::vector<double> q;
   for (int i = 0; i < plant.axes(); ++i) q.push_back(plant.angle(i));
   return q;
-}
-
-// The proportional-derivative laws of the robot file at 1 ms, compensation 0.8.
-std::vector<bench::Law> laws(double compensation) {
-  std::vector<bench::Law> out;
-  for (int i = 0; i < kN; ++i) {
-    const mmcs_motor &m = robots::puma560[i];
-    const double lsb = m.km * m.amp_gain * bench::kLsb;
-    const int *pd = robots::puma560_pd_1000us[i];
-    out.push_back({pd[0], pd[1], pd[2], 1024, static_cast<int>(compensation * m.coulomb_pos / lsb),
-                   static_cast<int>(compensation * m.coulomb_neg / lsb)});
-  }
-  return out;
-}
-
-// Six servos at 1 kHz: brakes open, hold for half a second, then a step on the axes of `mask`.
-struct Run {
-  int held[kN];            // counts off at the end of the hold
-  std::vector<int> y[kN];  // from the step on, relative to the setpoint before it
-};
-
-Run servo(Plant &plant, double compensation, int step, int mask) {
-  Run r = {};
-  std::vector<bench::Servo> servos;
-  for (const auto &law : laws(compensation)) servos.emplace_back(law);
-  bench::Counter counter(plant);
-  std::vector<PinEdge> edges;
-  for (int k = 0; k < 1500; ++k) {
-    double volts[kN];
-    for (int i = 0; i < kN; ++i) {
-      const int y = counter.count(i);
-      if (k == 500) r.held[i] = -y;
-      if (k >= 500) r.y[i].push_back(y);
-      const int target = k >= 500 && ((mask >> i) & 1) != 0 ? step : 0;
-      volts[i] = servos[i].sample(target, y);
-    }
-    for (int s = 0; s < 20; ++s) {
-      plant.step(volts, true, true, edges);
-      counter.take(edges);
-    }
-  }
-  CHECK(!counter.bad_order_ && !counter.both_changed_, "impossible edges");
-  return r;
 }
 
 }  // namespace
@@ -268,46 +225,6 @@ TEST(energy_of_a_free_arm_is_kept) {
   }
   CHECK(most > 10.0, "it hardly moves: %g J", most);
   CHECK(worst < 0.01 * most, "energy wanders by %g J of %g J", worst, most);
-}
-
-// The figures of the single axes hold for the six at once; joint 1's inertia depends on the pose.
-TEST(six_servos_step_together_without_gravity) {
-  const double rise[kN] = {58, 46, 44, 43, 43, 42};
-  const int steady[kN] = {3, 2, 2, 2, 1, 1};
-  auto plant = bench::puma_arm(bench::puma_rotors(), false);
-  const Run r = servo(*plant, 0.8, 200, 0x3F);
-  for (int i = 0; i < kN; ++i) {
-    const auto got = bench::measure(r.y[i], 200, 1.0);
-    const double band = i == 0 ? 0.3 * rise[i] : std::max(4.0, 0.1 * rise[i]);
-    CHECK(std::abs(got.rise_ms - rise[i]) <= band, "J%d: rise %g ms, want %g", i + 1, got.rise_ms,
-          rise[i]);
-    CHECK(std::abs(got.steady - steady[i]) <= 2, "J%d: rests %d counts off", i + 1, got.steady);
-    CHECK(got.overshoot_pct <= 3.0, "J%d: overshoot %g %%", i + 1, got.overshoot_pct);
-    CHECK(got.rest_pp == 0, "J%d: moves %d counts at rest", i + 1, got.rest_pp);
-  }
-}
-
-// Stretched out sideways, the proportional law holds joint 2 a few counts below its setpoint.
-TEST(gravity_costs_counts_as_calculated) {
-  const auto steady = [](double compensation, int &held) {
-    auto plant = bench::puma_arm(bench::puma_rotors());
-    const Run r = servo(*plant, compensation, 200, 1 << 1);
-    held = r.held[1];
-    auto response = bench::measure(r.y[1], 200, 1.0);
-    // 10 to 90 % of the demand, from where it hung.
-    auto moved = r.y[1];
-    for (int &y : moved) y += held;
-    response.rise_ms = bench::measure(moved, 200, 1.0).rise_ms;
-    return response;
-  };
-  int held = 0;
-  const auto with = steady(0.8, held);
-  CHECK(std::abs(held - 7) <= 2, "holds %d counts off, want 7", held);
-  CHECK(std::abs(with.steady - 16) <= 2, "lands %d short, want 16", with.steady);
-  CHECK(std::abs(with.rise_ms - 57) <= 6, "rise %g ms, want 57", with.rise_ms);
-  const auto without = steady(0.0, held);
-  CHECK(std::abs(held - 11) <= 2, "holds %d counts off, want 11", held);
-  CHECK(std::abs(without.steady - 21) <= 2, "lands %d short, want 21", without.steady);
 }
 
 // A very stiff coupling approaches the rigid arm; a soft one lets the load swing.
