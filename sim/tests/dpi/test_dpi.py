@@ -2,14 +2,13 @@
 """The engine behind a testbench, in another simulator's schedule of the same RTL: log and bus
 cycles are those of the engine's own machine, to the byte."""
 
-import os
 from pathlib import Path
 
 import pytest
 
 from mmcs import ROOT, Setup, load, run_scenario, simulate, write_setup
 from tools import dpi
-from tools.compiled import compiled, ran, written
+from tools.compiled import ran, written
 
 # pins of the machine, lines of encoders and of the bus, the host
 FAULTS = ["fault_estop", "fault_cable", "fault_pc_power", "fault_sysreset", "fault_axis_switch",
@@ -62,17 +61,6 @@ def test_log_and_bus_cycles_are_the_engines(tmp_path, what):
         ends = [event.until or event.at for event in load(name).scenario.event]
         sets.append(f"duration={max(ends, default=0.1) + 0.1:g}")
     assert differing(name, tmp_path, cards, sets) == []
-
-
-@pytest.mark.req("FW-1")
-def test_the_engine_sees_each_pin_at_the_clock_of_its_change():
-    """It sleeps between the changes that it asked for: none is missed, none told too early."""
-    compiler = [os.environ.get("CXX", "g++"), "-std=c++17", "-O1"]
-    command = [*compiler, *(f"-Isim/{d}" for d in ("dpi", "model", "abi"))]
-    parts = ["tests/dpi/bench.cpp", "dpi/dpi_model.cpp", "dpi/bench.cpp", "model/pins.cpp"]
-    program = compiled("dpi_bench", command, [f"sim/{part}" for part in parts])
-    done = ran(program)
-    assert (done.returncode, done.stdout) == (0, "")
 
 
 # A phase that moves: the pins a clock late, or at once and in whose turn it happens to be.
