@@ -6,23 +6,26 @@
 // be silent while it controls: 250).
 
 import { Arm } from "./arm.js";
-import { askedNumber, pause } from "./dom.js";
-import { Global } from "./global.js";
+import { Axis } from "./axis.js";
+import { askedNumber, pause, setText } from "./dom.js";
+import { banner, header } from "./header.js";
+import { html, render } from "./html.js";
 import { keys } from "./keys.js";
 import { Link } from "./link.js";
-import { Log } from "./log.js";
+import { said } from "./log.js";
 import { Machine } from "./machine.js";
 import { Page } from "./page.js";
-import { Panel } from "./panel.js";
-import { statusBar } from "./status.js";
+import { panels } from "./panel.js";
 import { tabs } from "./tabs.js";
 import { tiles } from "./tiles.js";
 import { timeBar } from "./time.js";
 
 const FIRST_SAMPLE_MS = 1000;
 const STATE_MS = 80; // the report has 200
+const OLDEST_MS = 500; // between questions how far back the snapshots reach
 const FRAME_MS = 17;
 const LONGEST_MS = 600_000;
+const ROOMS = { global: header, state: banner, tiles, panels, timebar: timeBar };
 
 const asked = new URLSearchParams(location.search);
 const room = (id) => document.getElementById(id);
@@ -34,64 +37,48 @@ export function run(carrier, workers, control, deadman_ms = 250) {
   const silence_ms = askedNumber(asked, "deadman", 50, LONGEST_MS, deadman_ms);
   const interval_ms = askedNumber(asked, "t", 0, 1000, null);
   const machine = new Machine(new Link(carrier), silence_ms);
-  const page = new Page(machine, workers);
+  const page = new Page(machine, workers, asked);
   machine.stopPath = false;
   window.addEventListener("message", ({ source, data }) => {
     if (source !== room("stop").contentWindow || typeof data?.stopPath !== "boolean") return;
     machine.stopPath = data.stopPath;
     machine.tell("stopPath");
   });
-  const global = new Global(page);
-  room("global").append(global.element);
-  const log = new Log(machine, room("said"));
-  const status = statusBar(page, room("banner"));
+  machine.addEventListener("event", () => setText(room("said"), said(machine)));
   machine.addEventListener("hello", async () => {
     // a machine that stands still sends none
     if (!machine.history.latest(0)) await machine.seen(() => true, FIRST_SAMPLE_MS);
-    const about = await machine.try(machine.link.request("machine"));
-    Object.assign(page.about, about);
+    Object.assign(page.about, await machine.try(machine.link.request("machine")));
     page.units.motors = page.about.motors;
-    for (let axis = 0; axis < machine.hello.axes; axis++) page.panels.push(new Panel(page, axis));
-    room("panels").append(...page.panels.map((panel) => panel.element));
+    page.axes = Array.from({ length: machine.hello.axes }, (_, n) => new Axis(page, n));
+    document.title = page.title;
     const arm = new Arm(page);
     room("arm").append(arm.element);
     arm.about = page.about;
-    const showTiles = tiles(page, room("tiles"));
-    const views = tabs(page, log);
-    const seen = (what) => views.forEach((view) => view.visible && view[what]?.(page.row));
-    const time = timeBar(page, room("timebar"));
-    keys(page, global);
-    const choose = () => page.panels.forEach((panel, n) => panel.element.classList.toggle("chosen", n === page.axis));
-    page.addEventListener("choose", choose);
-    choose();
+    const views = tabs(page);
+    keys(page);
     page.render = () => {
-      status();
-      time();
-      for (const panel of page.panels) if (panel.element.offsetParent) panel.render(!asked.has("u"));
-      const { row } = page;
-      if (row < 0) return;
-      const { history } = machine;
-      global.update(history.time(row), history.value(row, history.linesColumn));
-      showTiles(row);
-      seen("update");
+      for (const [id, view] of Object.entries(ROOMS)) render(html`${view(page)}`, room(id));
+      for (const view of views) {
+        view.element.inert = page.past && Boolean(view.changes);
+        if (view.visible) view.update?.();
+      }
+      document.body.classList.toggle("gone", !machine.connected);
+      document.body.classList.toggle("past", page.past);
     };
     page.draw = () => {
       if (page.row < 0) return;
       arm.draw(page.row);
-      seen("draw");
+      views.forEach((view) => view.visible && view.draw?.());
     };
-    for (const kind of ["driver", "control", "enabled", "inputs"]) machine.addEventListener(kind, page.render);
-    for (const kind of ["choose", "look"]) page.addEventListener(kind, page.render);
-    page.units.addEventListener("change", page.render);
-    machine.addEventListener("samples", () => squares(page));
-    global.render();
+    page.addEventListener("changed", page.render);
+    machine.addEventListener("samples", () => page.axes.forEach((axis) => axis.tick(machine.history.now)));
     showState(page);
     drawPictures(page);
     // last: from here on a page that is busy for 250 ms stops the machine
     if (control && machine.hello.lease === null) await begin(machine, interval_ms);
     document.body.classList.add("ready");
-  }, { once: true });  // prettier-ignore
-  machine.addEventListener("closed", status);
+  }, { once: true });
   // For tests and for people who look under the hood.
   window.mctool = { machine, page };
   return page;
@@ -108,6 +95,12 @@ function showState(page) {
   page.machine.addEventListener("samples", show);
   setInterval(show, STATE_MS); // also without samples
   document.addEventListener("visibilitychange", page.render);
+  const ask = async () => {
+    const told = await page.machine.link.request("snapshots").catch(() => null);
+    if (told?.snapshots.length) page.oldest = told.snapshots[0].t;
+  };
+  ask();
+  setInterval(ask, OLDEST_MS);
 }
 
 /** Curves and arm, now and then: where drawing takes long, seldom; STOP comes first. What drawing
@@ -122,11 +115,6 @@ function drawPictures(page) {
       setTimeout(() => drawPictures(page), pause(spent + drawn));
     }),
   );
-}
-
-/** Square waves go by the machine's time, also of panels that are not shown. */
-function squares(page) {
-  for (const panel of page.panels) panel.tick(page.machine.history.now);
 }
 
 async function begin(machine, interval_ms) {

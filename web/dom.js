@@ -39,12 +39,10 @@ export function labelled(text, control, unit = "") {
  */
 export function parseNumber(text) {
   const plain = text.trim().replace(/^\+/, "");
-  if (/^-?\d+([.]\d+)?(e[-+]?\d+)?$/i.test(plain)) return finite(plain);
+  if (/^-?\d+([.]\d+)?(e[-+]?\d+)?$/i.test(plain)) return Number.isFinite(Number(plain)) ? Number(plain) : null;
   if (/^-?\d+,\d{1,2}$|^-?\d+,\d{4,}$|^-?0,\d+$/.test(plain)) return Number(plain.replace(",", "."));
   return null;
 }
-
-const finite = (text) => (Number.isFinite(Number(text)) ? Number(text) : null);
 
 /** As above, for whole numbers within bounds; throws one sentence. */
 export function parseInteger(text, low, high, name) {

@@ -1,59 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults by name: every input of the machine, what each means, and what happened since.
+// Faults: eight for visitors, all inputs of the machine behind a search, what is wrong, what happened since.
 
-import { button, choice, el, labelled, parseNumber, setText } from "./dom.js";
+import { parseNumber } from "./dom.js";
+import { button, html, labelled } from "./html.js";
+import { line } from "./log.js";
 
-export function faultsView(page) {
-  const { machine } = page;
-  const meaning = el("p");
-  const index = el("input", { type: "number", min: 0, value: 0, id: "fault-index", "aria-label": "index" });
-  const value = el("input", { type: "text", size: 8, id: "fault-value", "aria-label": "value" });
-  const since = el("ol", { className: "log", "aria-label": "since the last change" });
-  const wrong = el("ul", { "aria-label": "what is wrong now" });
-  const name = choice([], { id: "fault-name", onchange: () => describe() });
-  const apply = button("fault-apply", "Make it so", () => set(chosen(), Number(index.value), parseNumber(value.value)));
-  const heal = button("fault-heal", "Heal everything", healAll);
-  const chosen = () => machine.inputs.find((input) => input.name === name.value);
+const MOST = 200; // lines
+const QUIET = ["client", "pace", "mode", "light"];
+const VISITORS = [["cable", "Pull the cable"], ["pc_power", "Cut the power"], ["card_absent", "Take a card out"],
+  ["encoder_a_cut", "Cut an encoder's track"], ["amp_dead", "Kill an amplifier"], ["brake_stuck", "Jam a brake"],
+  ["host_stall", "Hang the host"], ["sysreset", "Reset the bus"]];
 
-  function describe() {
-    const input = chosen();
-    if (!input) return;
-    setText(meaning, `${input.scope}: ${input.meaning} (${input.low} to ${input.high}; healthy ${input.healthy})`);
-    index.disabled = input.scope === "machine";
-    if (index.disabled) index.value = 0;
-    value.value = String(input.healthy === 0 ? Math.min(1, input.high) : 0);
-  }
+/** A value that is a fault: the other one of two. */
+const broken = ({ healthy, high }) => (healthy === 0 ? Math.min(1, high) : 0);
 
-  async function set(input, at, to) {
-    if (to === null) return machine.say("error", `"${value.value}" is no number`);
-    since.replaceChildren();
-    return machine.try(machine.link.request("input", { name: input.name, index: at, value: to }));
-  }
-
-  async function healAll() {
-    for (const input of machine.inputs)
-      for (const at of Object.keys(input.values))
-        await machine.try(machine.link.request("input", { name: input.name, index: Number(at), value: input.healthy }));
-  }
-
-  function shown() {
-    const { inputs } = machine;
-    if (!name.length) {
-      name.append(...inputs.map((i) => el("option", { value: i.name, textContent: i.name })));
-      describe();
-    }
-    const now = inputs.flatMap((i) => Object.entries(i.values).map(([at, v]) => `${i.name} ${at}: ${v}`));
-    wrong.replaceChildren(...(now.length ? now : ["nothing"]).map((text) => el("li", {}, text)));
-  }
-
-  machine.addEventListener("inputs", shown);
-  machine.addEventListener("event", ({ detail }) => {
-    if (["client", "pace", "mode", "light"].includes(detail.kind)) return;
-    since.append(el("li", {}, `${detail.t.toFixed(4)} s  ${detail.kind}: ${detail.text}`));
-    if (since.children.length > 200) since.firstChild.remove();
-  });
-  const element = el("div", { className: "faults" },
-    el("div", { className: "row" }, labelled("Fault", name), index, labelled("value", value), apply, heal),
-    meaning, el("h3", {}, "Wrong now"), wrong, el("h3", {}, "Since then"), since);  // prettier-ignore
-  return { title: "Faults", element, shown };
+export function faults(page) {
+  const { machine, fault } = page;
+  const { inputs } = machine;
+  const put = (values) => page.set({ fault: { ...fault, ...values } });
+  const chosen = inputs.find(({ name }) => name === fault.name);
+  const choose = (input) => put({ name: input.name, index: input.scope === "machine" ? "0" : fault.index, value: String(broken(input)) });
+  const set = (input, index, value) => {
+    put({ since: machine.history.now });
+    return machine.try(machine.link.request("input", { name: input.name, index, value }));
+  };
+  const apply = () => {
+    const value = parseNumber(fault.value);
+    if (value === null) return machine.say("error", `"${fault.value}" is no number`);
+    return set(chosen, Number(fault.index), value);
+  };
+  const heal = async () => {
+    for (const input of inputs) for (const index of Object.keys(input.values)) await set(input, Number(index), input.healthy);
+  };
+  const found = inputs.filter(({ name, meaning }) => `${name} ${meaning}`.includes(fault.search.toLowerCase()));
+  const wrong = inputs.flatMap(({ name, values }) => Object.entries(values).map(([at, value]) => `${name} ${at}: ${value}`));
+  const since = machine.messages.filter(({ t, kind }) => t >= fault.since && !QUIET.includes(kind)).slice(-MOST).reverse();
+  const item = (input) => button(`fault-${input.name}`, input.name, () => choose(input),
+    { title: input.meaning, "aria-pressed": String(input === chosen) });
+  const typed = (name) => ({ type: "text", size: 6, id: `fault-${name}`, "aria-label": name, value: fault[name],
+    onInput: ({ target }) => put({ [name]: target.value }) });
+  const visitor = ([name, text]) => {
+    const input = inputs.find((one) => one.name === name);
+    const index = input?.scope === "axis" ? page.axis : input?.scope === "card" ? page.axis >> 1 : 0;
+    return input && button("", text, () => set(input, index, broken(input)), { title: `${input.scope}: ${input.meaning}` });
+  };
+  return html`<div class="faults"><div class="row">${VISITORS.map(visitor)}
+      <span class="grow"></span>${button("fault-heal", "Heal everything", heal)}</div>
+    <details open=${Boolean(fault.search || chosen)}><summary id="fault-all">All ${inputs.length} by name</summary>
+      <div class="row">${labelled("Search", html`<input type="search" id="fault-search" value=${fault.search}
+        onInput=${({ target }) => put({ search: target.value })} />`)}</div>
+      <div class="row names">${found.map(item)}</div>
+      ${chosen && html`<p>${chosen.scope}: ${chosen.meaning} (${chosen.low} to ${chosen.high}; healthy ${chosen.healthy})</p>
+        <div class="row">${labelled(chosen.scope === "machine" ? "of the machine" : chosen.scope,
+          html`<input ...${typed("index")} disabled=${chosen.scope === "machine"} />`)}
+          ${labelled("value", html`<input ...${typed("value")} />`)}${button("fault-apply", "Make it so", apply)}</div>`}</details>
+    <h3>Wrong now</h3><ul aria-label="what is wrong now">${(wrong.length ? wrong : ["nothing"]).map((text) => html`<li>${text}</li>`)}</ul>
+    <h3>Since then</h3><ol class="log" aria-label="since the last change, the newest first">${since.map((one) => html`<li>${line(one)}</li>`)}</ol></div>`;
 }

@@ -12,7 +12,7 @@ const OWN_SPACE = `${TEXTS}, input[type=checkbox], input[type=radio], select`; /
 export const HELP = "space, Escape: stop · 0-9: axis · ←/→ nudge, with shift ten times · "
   + "e Enter: enable · c: take control · ?: this";  // prettier-ignore
 
-export function keys(page, global) {
+export function keys(page) {
   const { machine } = page;
   const frame = document.getElementById("stop");
   let armed = -Infinity;
@@ -41,20 +41,20 @@ export function keys(page, global) {
       const digit = /^Digit(\d)$/.exec(event.code);
       if (digit) {
         page.choose(Number(digit[1]) + (event.shiftKey ? 10 : 0));
-        page.panel.element.focus();
+        document.getElementById(`axis${page.axis}-panel`)?.focus();
       } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
-        if (at.matches?.("input, select, [role=tab]")) return;
+        if (at.matches?.("input, select, [role=tab], [role=radio]")) return;
         event.preventDefault();
-        page.panel.nudge((event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1));
+        page.axes[page.axis]?.nudge((event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1));
       } else if (event.key === "e") {
         armed = performance.now();
         machine.say("help", "enable: press Enter");
       } else if (event.key === "Enter" && performance.now() - armed < DECIDE_MS) {
         armed = -Infinity;
         event.preventDefault();
-        if (machine.controls) global.toEnable();
+        if (machine.controls) page.enable();
       } else if (event.key === "c") {
-        if (!machine.controls) global.toControl();
+        if (!machine.controls) page.toControl();
         else machine.say("help", "this page has control; the button above gives it back");
       } else if (event.key === "?") machine.say("help", HELP);
     },

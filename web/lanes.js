@@ -11,6 +11,7 @@ const DASHES = [[], [8, 3], [2, 2], [8, 3, 2, 3]];
 const LANES = { encnow: "position", setpoint: "position", demand: "position", fbnow: "position",
   error: "error", vel: "velocity", current: "current", inow: "current", adcvai: "A/D", errcode: "errors" };  // prettier-ignore
 const QUANTITIES = { position: "position", error: "position", current: "current" };
+const WHOLE = Array.from({ length: 10 }, (_, n) => [1, 2, 5].map((step) => step * 10 ** n)).flat();
 const BOTTOM = 34; // of the time axis
 const LEAST = 46; // height of a lane
 
@@ -26,13 +27,18 @@ export class Lanes {
   #lanes = [];
   #size = "";
 
-  /** zoom(from, to) when a span was drawn with the pointer, roll() at a double-click. */
-  constructor(units, { zoom, roll }) {
+  /** zoom(from, to) when a span was drawn with the pointer, roll() at a double-click, wheel(factor, t). */
+  constructor(units, { zoom, roll, wheel }) {
     Object.assign(this, { units, zoom, roll });
     this.pointer = null; // s, where the pointer is
     this.marks = []; // {t, name}
     this.element = el("div", { className: "screen" });
     const anew = () => this.set(this.series ?? []);
+    this.element.addEventListener("wheel", (event) => {
+      if (this.pointer === null) return;
+      event.preventDefault();
+      wheel(Math.exp(event.deltaY / 500), this.pointer);
+    });
     new ResizeObserver(() => this.#fit()).observe(this.element);
     units.addEventListener("change", anew);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);
@@ -56,7 +62,7 @@ export class Lanes {
   #plot(name, lane, last) {
     const ink = colour("--soft");
     const grid = { stroke: colour("--shade"), width: 1 };
-    const unit = quantityOf(lane[0].channel.field) ? this.#scale(lane[0]).unit : "";
+    const { by, unit } = quantityOf(lane[0].channel.field) ? this.#scale(lane[0]) : { by: 1, unit: "" };
     const series = lane.map((one) => ({
       label: one.name,
       stroke: colour(one.channel.stroke),
@@ -69,9 +75,9 @@ export class Lanes {
       {
         width: 400,
         height: 100,
-        scales: { x: { time: false, auto: false }, y: { range: (u, low, high) => around(low, high) } },
+        scales: { x: { time: false, auto: false }, y: { range: (u, low, high) => around(low, high, by) } },
         axes: [{ show: last, stroke: ink, grid, ticks: grid, size: BOTTOM, label: last ? "s" : "", labelSize: 14,
-          labelGap: -4 }, { stroke: ink, grid, ticks: grid, size: 64, label: unit ? `${name}, ${unit}` : name,
+          labelGap: -4 }, { stroke: ink, grid, ticks: grid, size: 64, ...(by === 1 && { incrs: WHOLE }), label: unit ? `${name}, ${unit}` : name,
           labelSize: 16, labelGap: 0, labelFont: "11px sans-serif" }],
         series: [{}, ...series],
         legend: { show: false },
@@ -147,10 +153,10 @@ export class Lanes {
   }
 }
 
-/** A range that leaves air, and does not jump with every tick of noise. */
-function around(low, high) {
+/** A range that leaves air, at least `least`, and does not jump with every tick of noise. */
+function around(low, high, least) {
   if (low === null || high === null || low === undefined) return [-1, 1];
-  const air = Math.max((high - low) * 0.08, Math.abs(high) * 0.02, 0.001);
+  const air = Math.max((high - low) * 0.08, Math.abs(high) * 0.02, least);
   const step = 10 ** Math.floor(Math.log10(high - low + 2 * air)) / 2;
   return [Math.floor((low - air) / step) * step, Math.ceil((high + air) / step) * step];
 }

@@ -2,8 +2,8 @@
 // Messages for a page: requests as promises, the stream as events. Of the machine
 // (docs/use/protocol.md), and of a worker of ours (mmcs/tool/worker.py).
 //
-// A carrier has send(text), close() and the hooks onText, onBytes, onClose; below is the one of a
-// WebSocket. Events: hello, event, progress, samples (an ArrayBuffer), lost, closed (a reason).
+// A carrier has send(text), close(), pulse(ms) and the hooks onText, onBytes, onClose; below is the one
+// of a WebSocket. Events: hello, event, progress, samples (an ArrayBuffer), lost, closed (a reason).
 
 export class Link extends EventTarget {
   #carrier;
@@ -25,13 +25,8 @@ export class Link extends EventTarget {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject });
-      this.post(op, { ...args, id });
+      this.#carrier.send(JSON.stringify({ op, ...args, id }));
     });
-  }
-
-  /** A request whose reply nobody waits for. */
-  post(op, args = {}) {
-    this.#carrier.send(JSON.stringify({ op, ...args }));
   }
 
   /** A request of Table 2.3 by name. */
@@ -41,6 +36,11 @@ export class Link extends EventTarget {
 
   close() {
     this.#carrier.close();
+  }
+
+  /** Says every 80 ms that the page is there, until it hangs for so many ms; 0: not any more. */
+  pulse(ms) {
+    this.#carrier.pulse(ms);
   }
 
   /** Whether a connection that was lost can be tried again; and that. A hello says that it stands. */
@@ -75,28 +75,24 @@ export class Link extends EventTarget {
   }
 }
 
-/** A carrier over a WebSocket; connect() makes another when it is lost. gone: what is told then, if
- * the server gives no reason. */
+/** A carrier over a WebSocket, which a Worker owns (socket.js); connect() makes another when it is lost.
+ * gone: what is told then, if the server gives no reason. */
 export function socketCarrier(address, gone = "the page's server is gone") {
-  let socket = null;
+  const worker = new Worker("socket.js");
   const carrier = {
     onText: () => {},
     onBytes: () => {},
     onClose: () => {},
-    send: (text) => {
-      if (socket.readyState === WebSocket.OPEN) socket.send(text);
-      else socket.addEventListener("open", ({ target }) => target.send(text));
-    },
-    close: () => socket.close(),
-    connect: () => {
-      if (socket && socket.readyState !== WebSocket.CLOSED) return;
-      const fresh = new WebSocket(address);
-      socket = fresh;
-      fresh.binaryType = "arraybuffer";
-      fresh.onmessage = ({ data }) =>
-        typeof data === "string" ? carrier.onText(data) : carrier.onBytes(data);
-      fresh.onclose = ({ reason }) => carrier.onClose(reason || gone);
-    },
+    send: (text) => worker.postMessage({ send: text }),
+    close: () => worker.postMessage({ close: true }),
+    pulse: (ms) => worker.postMessage({ pulse: ms }),
+    connect: () => worker.postMessage({ connect: address, gone }),
+  };
+  worker.onmessage = ({ data }) => {
+    if (data.text) carrier.onText(data.text);
+    else if (data.bytes) carrier.onBytes(data.bytes);
+    else if (data.tick) worker.postMessage(data); // the page does not hang
+    else carrier.onClose(data.closed);
   };
   carrier.connect();
   return carrier;

@@ -1,27 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the machine said, in words that stay readable after a clear; and since a chosen moment.
+// What the machine said, the newest first, in words that stay readable after a clear.
 
-import { el } from "./dom.js";
+import { html } from "./html.js";
 
 const SHOWN = ["error", "panic", "stopped", "enabled", "log", "fault", "lost", "bus", "signal",
-  "lease", "client", "pace", "rewind", "heartbeat", "brake", "help"];  // prettier-ignore
+  "lease", "client", "pace", "rewind", "heartbeat", "brake", "help"];
 const LOUD = ["error", "panic", "lost", "help"];
+const MOST = 300; // lines
 
-export class Log {
-  constructor(machine, line) {
-    this.machine = machine;
-    this.line = line;
-    this.list = el("ol", { className: "log", "aria-label": "what happened" });
-    machine.addEventListener("event", ({ detail }) => this.#add(detail));
-  }
+/** A message as a line. Its kind is not said again by a text that begins with it. */
+export function line({ t, kind, axis, text, value }) {
+  const of = axis >= 0 ? ` axis ${axis}` : "";
+  const said = kind === "heartbeat" ? (value ? "present" : "gone") : text;
+  return `${t.toFixed(3)} s  ${kind}${of}: ${said}`;
+}
 
-  #add(event) {
-    if (!SHOWN.includes(event.kind)) return;
-    const text = `${event.t.toFixed(3)} s  ${event.kind}${event.axis >= 0 ? ` axis ${event.axis}` : ""}: ${event.text}`;
-    this.list.append(el("li", { className: event.kind, textContent: text }));
-    if (this.list.children.length > 1000) this.list.firstChild.remove();
-    // without heartbeats PANIC is up: at rest that is no news
-    const quiet = event.kind === "panic" && !(event.value && this.machine.enabled);
-    if (LOUD.includes(event.kind) && !quiet) this.line.textContent = text;
-  }
+/** Whether a message is bad news: without heartbeats PANIC is up, at rest that is none. */
+const isBad = ({ kind, value, drives }) => kind === "lost" || kind === "error" || (kind === "panic" && value && drives);
+
+/** The latest that people must not miss. */
+export function said({ messages }) {
+  const found = messages.findLast((one) => LOUD.includes(one.kind) && (one.kind !== "panic" || isBad(one)));
+  return found ? line(found) : "";
+}
+
+export function log(page) {
+  const wanted = page.filter.toLowerCase();
+  const lines = page.machine.messages.filter(({ kind }) => SHOWN.includes(kind)).map((one) => [one, line(one)])
+    .filter(([, text]) => text.toLowerCase().includes(wanted)).slice(-MOST).reverse();
+  return html`<div><div class="row"><input type="search" id="log-filter" aria-label="only lines with" placeholder="only lines with"
+      value=${page.filter} onInput=${({ target }) => page.set({ filter: target.value })} /></div>
+    <ol class="log" aria-label="what happened, the newest first" tabIndex="0">
+      ${lines.map(([one, text]) => html`<li class=${isBad(one) ? "bad" : one.kind}>${text}</li>`)}</ol></div>`;
 }

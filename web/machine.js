@@ -3,29 +3,19 @@
 //
 // Whatever a panel shows comes from here: `driver` is read back from the driver whenever it changed,
 // by whomever; setpoints come with the samples. Control is the lease (docs/use/protocol.md): without
-// it the page writes nothing. While it is held the page says so every 80 ms; 250 ms of silence stop the
-// machine (deadman_ms, docs/use/tool.md).
+// it the page writes nothing. While it is held a Worker says so every 80 ms; 250 ms of silence stop the
+// machine (deadman_ms, docs/use/tool.md), and so does a page that hangs for four times that.
 //
 // Events: hello (also when connected again), driver, samples, event and each kind of event, control,
 // closed.
 
 import { History } from "./samples.js";
 
-const ALIVE_MS = 80;
+const HANGS = 4; // times the dead-man: a page that does nothing for so long hangs, and its pulse ends
+const HANGS_MS = 1000; // but not before
 const SEEN_MS = 500;
 const AGAIN_MS = 1000; // between attempts to connect
 const LOST = { axis: -1, text: "as it is after the loss" };
-
-/** Calls f every 80 ms, also in a page that nobody looks at; returns what ends it. */
-function everyTick(f) {
-  if (typeof document === "undefined") {
-    const timer = setInterval(f, ALIVE_MS);
-    return () => clearInterval(timer);
-  }
-  const worker = new Worker("ticks.js");
-  worker.onmessage = f;
-  return () => worker.terminate();
-}
 
 export class Machine extends EventTarget {
   constructor(link, deadman_ms = 250) {
@@ -43,7 +33,10 @@ export class Machine extends EventTarget {
     this.heard = 0; // when samples came last, ms of this page
     this.driver = { params: [], interval_us: 2000, diag: 0, double_buffer: false };
     this.inputs = []; // of the machine, as `inputs` tells them
-    this.messages = []; // {t, kind, text, axis}: errors stay readable after a clear
+    this.messages = []; // {t, kind, text, axis}: errors stay readable after a clear; left: of a branch
+    this.branches = []; // {from, to}, s: futures that were left by going back
+    this.powerEnd = null; // s: when power ended last; null: not since the start
+    this.speed = 1;
     link.addEventListener("hello", ({ detail }) => this.#welcome(detail));
     link.addEventListener("samples", ({ detail }) => {
       this.history?.append(detail);
@@ -57,7 +50,6 @@ export class Machine extends EventTarget {
     });
     link.addEventListener("closed", ({ detail }) => this.#closed(detail));
   }
-  #endTicks = () => {};
   #mode = "";
   #dirty = new Set(); // axes to be read again; -1: everything
   #reading = null;
@@ -70,6 +62,7 @@ export class Machine extends EventTarget {
     this.hello = hello;
     this.enabled = hello.enabled;
     this.paused = hello.paused;
+    this.speed = hello.speed;
     this.holder = hello.lease;
     this.history ??= new History(hello.sample.fields);
     this.#mode = "";
@@ -105,12 +98,16 @@ export class Machine extends EventTarget {
   }
 
   #event(event) {
-    if (event.kind === "rewind") {
-      this.history?.rewind(event.t);
-      this.#taken.clear();
+    if (event.kind === "rewind") this.#goneBack(event.t);
+    if (event.kind === "panic") event.drives = this.enabled;
+    if (event.kind === "enabled") {
+      this.enabled = Boolean(event.value);
+      this.powerEnd = event.value || event.text === LOST.text ? null : event.t;
     }
-    if (event.kind === "enabled") this.enabled = Boolean(event.value);
-    if (event.kind === "pace") this.paused = event.text === "paused";
+    if (event.kind === "pace") {
+      this.paused = event.text === "paused";
+      if (!this.paused) this.speed = Number(/^speed (.*)/.exec(event.text)?.[1] ?? 0);
+    }
     if (event.kind === "lease") {
       this.holder = event.value < 0 ? null : event.value;
       if (this.controls && this.holder !== this.hello.you) {
@@ -125,6 +122,15 @@ export class Machine extends EventTarget {
     if (this.messages.length > 5000) this.messages.splice(0, 1000);
     this.dispatchEvent(new CustomEvent("event", { detail: event }));
     this.tell(event.kind);
+  }
+
+  /** What is later than t is a future that was left. */
+  #goneBack(t) {
+    this.branches.push({ from: t, to: this.history?.now ?? t });
+    for (const message of this.messages) if (message.t > t) message.left = true;
+    this.history?.rewind(t);
+    this.#taken.clear();
+    this.powerEnd = null;
   }
 
   // --- what the driver has ---
@@ -173,7 +179,7 @@ export class Machine extends EventTarget {
   /** An axis that the servo does not control has no parameters. */
   async #param(axis) {
     const told = await this.link.call("MGETPARAM", { axis }).catch(() => null);
-    this.driver.params[axis] = told?.param ?? null;
+    if (this.connected) this.driver.params[axis] = told?.param ?? null;
   }
 
   async #readInputs() {
@@ -217,7 +223,7 @@ export class Machine extends EventTarget {
 
   #lose() {
     this.controls = false;
-    this.#endTicks();
+    this.link.pulse(0);
     this.tell("control");
   }
 
@@ -231,16 +237,17 @@ export class Machine extends EventTarget {
     if (mode === "rw") this.read(); // the first writer finds Table 2.1
   }
 
+  /** So long the page may do nothing while it controls. */
+  get hangs_ms() {
+    return Math.max(HANGS_MS, HANGS * this.deadman_ms);
+  }
+
   async takeControl() {
     if (!this.stopPath) throw new Error("no control without STOP: its frame is not connected");
     await this.open("rw");
     await this.link.request("lease", { take: true, deadman_ms: this.deadman_ms });
     this.controls = true;
-    this.#endTicks();
-    this.#endTicks = everyTick(() => {
-      this.link.request("alive").catch(() => {});
-      this.tell("tick");
-    });
+    this.link.pulse(this.hangs_ms);
     this.tell("control");
   }
 

@@ -1,48 +1,142 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the panels and views share: the machine, the chosen axis, units, designs and marks asked for.
+// The page's one store: the machine, the moment looked at, the chosen axis, drafts, units. Every view is
+// a function of it; whoever changes something in it calls changed(), and all that is visible is drawn anew.
 
+import { parseInteger } from "./dom.js";
+import { Drafts } from "./drafts.js";
 import { MODE_MASK } from "./params.js";
 import { Units } from "./units.js";
 
+const FASTEST_US = 100;
+const SLOWEST_US = 1e9;
+
 export class Page extends EventTarget {
-  constructor(machine, { advice, labs }) {
+  /** asked: of the address. advice: null: no designer (docs/use/tool.md); labs makes what answers for
+   * the lab sheets (web/labs.js). */
+  constructor(machine, { advice, labs }, asked = new URLSearchParams()) {
     super();
-    this.machine = machine;
-    this.advice = advice; // null: no designer (docs/use/tool.md)
-    this.labs = labs; // makes what answers for the lab sheets (web/labs.js)
+    Object.assign(this, { machine, advice, labs });
     this.units = new Units();
     this.about = { motors: [], links: [] }; // of the machine (docs/use/protocol.md, machine)
-    this.panels = [];
+    this.axes = []; // of each: axis.js
     this.axis = 0; // the chosen one
     this.moment = null; // s: the whole page shows this one; null: the latest
+    this.oldest = 0; // s: of the snapshots
+    this.filter = ""; // of the log
+    this.fault = { name: "", search: "", index: "0", value: "", since: 0 }; // what the view of faults asks for
+    this.all = asked.get("theme") === "1989"; // panels of all axes
+    this.follows = !asked.has("u"); // counts, A/D and current
+    this.asked = false; // Enable was pressed although the hand-held button is
+    this.drafts = new Drafts((error) => machine.say("error", error.message), () => this.changed());
     machine.addEventListener("rewind", () => this.look(null));
+    // a question waits for its answer until what it was about has changed
+    for (const kind of ["inputs", "enabled", "lease"])
+      machine.addEventListener(kind, () => {
+        this.asked = false;
+      });
+    for (const kind of ["driver", "control", "enabled", "inputs", "lease", "closed", "stopPath"])
+      machine.addEventListener(kind, () => this.changed());
+    this.units.addEventListener("change", () => this.changed());
+  }
+
+  changed() {
+    this.dispatchEvent(new CustomEvent("changed"));
+  }
+
+  set(values) {
+    Object.assign(this, values);
+    this.changed();
   }
 
   look(t) {
     this.moment = t;
     this.dispatchEvent(new CustomEvent("look"));
+    this.changed();
+  }
+
+  choose(axis) {
+    this.axis = Math.max(0, Math.min(axis, this.axes.length - 1));
+    this.dispatchEvent(new CustomEvent("choose"));
+    this.changed();
+  }
+
+  /** Whether a moment of the past is shown: then nothing here may change the machine. */
+  get past() {
+    return this.moment !== null;
   }
 
   /** The row of the history that is shown; -1: there is none. */
   get row() {
     const { history } = this.machine;
-    if (history.end === history.first) return -1;
-    return this.moment === null ? history.end - 1 : Math.min(history.end - 1, history.find(this.moment));
+    if (!history || history.end === history.first) return -1;
+    return this.past ? Math.min(history.end - 1, history.find(this.moment)) : history.end - 1;
   }
 
-  choose(axis) {
-    this.axis = Math.max(0, Math.min(axis, this.panels.length - 1));
-    this.dispatchEvent(new CustomEvent("choose"));
+  /** The time shown, s. */
+  get t() {
+    return this.machine.history.time(this.row);
   }
 
-  get panel() {
-    return this.panels[this.axis];
+  get title() {
+    const { hello } = this.machine;
+    return this.about.title ? `${this.about.title}, simulated` : (hello.scenario ?? hello.server);
+  }
+
+  /** Mode word of an axis at the moment shown. */
+  modeWord(axis) {
+    const now = this.machine.driver.params[axis].mode;
+    if (!this.past) return now;
+    const changes = this.machine.messages.filter((one) => one.kind === "mode" && one.axis === axis && !one.left);
+    const last = changes.findLast(({ t }) => t <= this.moment);
+    return last ? last.value : changes.length ? 0 : now;
   }
 
   /** Seconds between servo samples of an axis. */
   interval_s(axis) {
     const { interval_us, params } = this.machine.driver;
     return interval_us * 1e-6 * (params[axis]?.clkdivisor ?? 1);
+  }
+
+  // --- what a person may ask for ---
+
+  /** Takes control, or gives it back; that stops a machine under power. */
+  async toControl() {
+    const { machine } = this;
+    if (machine.controls) await machine.dropControl();
+    else await machine.try(machine.takeControl());
+  }
+
+  /** The driver cannot see a button that is pressed already (DRV-9), this page can. */
+  async enable() {
+    const { machine } = this;
+    if (this.past) return machine.say("help", "the past is shown: Now first");
+    if (machine.input("estop") && !this.asked) {
+      this.asked = true;
+      machine.say("help", "The hand-held button is pressed: the machine would drive and its brakes "
+        + "open when it is released. Release it first, or Enable again to do so all the same.");
+      return undefined;
+    }
+    this.asked = false;
+    return machine.try(machine.link.call("MENABLE"));
+  }
+
+  /** The time between samples as it is typed, µs. */
+  async setInterval(text) {
+    const { machine, about } = this;
+    const value = parseInteger(text, FASTEST_US, SLOWEST_US, "interval, µs");
+    await machine.link.call("MSETINTERVAL", { value }).catch((error) => {
+      if (error.message !== "Invalid argument") throw error;
+      throw new Error(`interval: the adaptor's timers do not make ${value} µs; ${FASTEST_US} µs to 500 s in steps of 0.1 %`);
+    });
+    if (value > about.heartbeat_us)
+      machine.say("help", `interval: above the cards' heartbeat of ${about.heartbeat_us / 1000} ms the machine panics by design`);
+    await machine.read();
+  }
+
+  async goBack(t) {
+    const { machine } = this;
+    await machine.try(machine.link.request("pace", { paused: true }));
+    await machine.try(machine.link.request("rewind", { t })); // the page shows the latest as soon as it is told
   }
 
   /** Whether an axis has other numbers than the robot file or the scenario suggests. */

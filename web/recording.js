@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples as a file and back: CSV, one row a sample, every field of every axis.
 //
-// First line: "t_s,lines,encnow_0,…"; times in seconds with 9 digits, everything else whole numbers.
+// A line after # tells scenario, interval and units; then "t_s,lines,encnow_0,…"; times in seconds with 9 digits, everything else whole numbers.
 
 import { History } from "./samples.js";
 
@@ -50,7 +50,7 @@ export class Recording extends History {
 
   #line(text) {
     const line = text.replace(/\r$/, "");
-    if (!line) return;
+    if (!line || line.startsWith("#")) return;
     if (!this.#names) {
       this.#begin(line);
       return;

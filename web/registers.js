@@ -18,7 +18,7 @@ export function registersView(page) {
     el("div", { className: "row" }, labelled("Cards' registers of", card), all),
     el("table", {}, el("thead", {}, el("tr", {}, ...["address", "name", "value", "fields", "write"]
       .map((text) => el("th", {}, text)))), el("tbody", {}, ...rows.map((row) => row.element))));  // prettier-ignore
-  return { title: "Registers", element };
+  return { title: "Registers", element, changes: true };
 }
 
 /** VME offset of a register; of a card's, PC A00-A04 are A01-A05, A10-A13 (the DIP switch) A06-A09. */

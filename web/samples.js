@@ -161,9 +161,9 @@ export class History {
     return low;
   }
 
-  /** Bits of a card's lights in the latest sample. */
-  lights(card) {
-    return this.end > this.#first ? this.value(this.end - 1, this.lightsColumn(card)) : 0;
+  /** Bits of a card's lights in a sample, the latest if none is named. */
+  lights(card, row = this.end - 1) {
+    return row >= this.#first ? this.value(row, this.lightsColumn(card)) : 0;
   }
 
   /** The values of an axis by field name. */

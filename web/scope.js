@@ -6,7 +6,9 @@ import { Lanes, quantityOf, style } from "./lanes.js";
 import { recordings } from "./scope_files.js";
 import { findTrigger } from "./trigger.js";
 
-const WINDOWS = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60];
+const WINDOWS = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600];
+const ZOOM = 1.5;
+const LEAST_S = 0.001;
 const SHOWN = ["setpoint", "encnow", "error", "current"];
 
 export function scopeView(page) {
@@ -25,7 +27,7 @@ export class Scope {
     this.held = null; // {from, to}: the view stands, s
     this.search = 0; // rows looked at for the trigger
     this.fired = null; // time of the trigger
-    this.lanes = new Lanes(page.units, { zoom: (from, to) => this.hold(from, to), roll: () => this.roll() });
+    this.lanes = new Lanes(page.units, { zoom: (from, to) => this.hold(from, to), roll: () => this.roll(), wheel: (...how) => this.#zoom(...how) });
     this.#build();
     this.#follow();
     page.addEventListener("choose", () => this.#follow());
@@ -49,7 +51,8 @@ export class Scope {
     );  // prettier-ignore
     this.triggerAxis = choice(axes, { "aria-label": "trigger axis" });
     this.triggerField = choice(fields, { "aria-label": "trigger field" });
-    this.level = el("input", { type: "text", size: 6, value: "0", "aria-label": "trigger level" });
+    this.triggerField.value = "setpoint";
+    this.level = el("input", { type: "text", size: 6, value: "1", "aria-label": "trigger level" });
     this.pre = el("input", { type: "number", min: 0, max: 100, value: 30, "aria-label": "before, %" });
     this.again = el("input", { type: "checkbox", "aria-label": "trigger again and again" });
     this.newAxis = choice(axes, { "aria-label": "axis of a new channel" });
@@ -71,11 +74,21 @@ export class Scope {
       this.list, this.lanes.element, this.reading);  // prettier-ignore
     const screen = this.lanes.element;
     screen.tabIndex = 0;
+    screen.classList.add("own-keys");
     screen.setAttribute("role", "group");
     screen.setAttribute("aria-label",
-      "scope screen: A and B set the cursors where the pointer is, W shows waveforms; drag to zoom, double-click to zoom out");  // prettier-ignore
-    screen.addEventListener("keydown", ({ key }) => {
+      "scope screen: A and B set the cursors where the pointer is, W shows waveforms; drag or the wheel zooms, "
+      + "left and right move, + and - zoom, 0 or a double-click rolls on");
+    screen.addEventListener("keydown", (event) => {
+      const { key } = event;
       const { pointer } = this.lanes;
+      const [from, to] = this.view();
+      const acts = { ArrowLeft: () => this.#pan(-0.25), ArrowRight: () => this.#pan(0.25), 0: () => this.roll(),
+        "+": () => this.#zoom(1 / ZOOM, (from + to) / 2), "-": () => this.#zoom(ZOOM, (from + to) / 2) };
+      if (acts[key]) {
+        event.preventDefault();
+        acts[key]();
+      }
       const mark = { a: 0, b: 1 }[key.toLowerCase()];
       if (pointer === null) return;
       if (key.toLowerCase() === "w") this.page.showWaves(pointer);
@@ -142,6 +155,19 @@ export class Scope {
     this.held = { from: from ?? a, to: to ?? b };
     setText(this.run, "Run");
     this.draw();
+  }
+
+  /** The view by a factor as wide, about a moment; held from then on. */
+  #zoom(factor, about) {
+    const [from, to] = this.view();
+    const width = Math.max(LEAST_S, (to - from) * factor);
+    const begin = about - ((about - from) / (to - from)) * width;
+    this.hold(begin, begin + width);
+  }
+
+  #pan(part) {
+    const [from, to] = this.view();
+    this.hold(from + part * (to - from), to + part * (to - from));
   }
 
   view() {
@@ -220,7 +246,8 @@ export class Scope {
   update() {
     const { history } = this.page.machine;
     const { lost } = history;
-    setText(this.lost, lost ? `${lost} samples lost` : "");
+    const waits = this.kind.value !== "none" && !this.held ? "waiting for the trigger" : "";
+    setText(this.lost, lost ? `${lost} samples lost` : waits);
     this.lost.classList.toggle("bad", lost > 0);
     const at = this.lanes.pointer;
     const row = at === null ? this.page.row : Math.min(history.end - 1, history.find(at));

@@ -34,7 +34,9 @@ export function recordings(scope) {
   }
 
   async function saveCsv() {
-    const parts = [];
+    const { hello, driver } = machine;
+    const parts = [`# ${hello.scenario}, interval ${driver.interval_us} us; encnow, setpoint, demand, error: counts, or `
+      + "A/D units with that feedback; current: D/A units; vel: counts a sample\n"];
     await write((text) => parts.push(text));
     download(name("csv"), new Blob(parts), "text/csv");
   }

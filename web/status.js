@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// One banner: what the machine is in, why, and what comes next. And what Enable still lacks.
+// What the machine is in, why, and what comes next, in words; and what Enable still lacks.
 
-import { button, el, setText } from "./dom.js";
 import { errorWords, isInitial, MODE_MASK, MODES } from "./params.js";
 import { LINES } from "./samples.js";
 import { DAC_V } from "./units.js";
 
 const FROZEN_MS = 1000;
 const BEFORE_S = 0.06; // so long before power went, its cause may have come: a heartbeat lasts 50 ms
+const NEAR_S = 0.1; // of the last sample, a fault that may have ended them
+const RECENT = 400; // messages in which the end of power is explained
 const STUCK_S = 0.3; // so long an axis stands that is to move
 const STUCK_COUNTS = 20; // an error that friction leaves behind a stiff loop is smaller
 const DRIVEN = [MODES.pos, MODES.vel, MODES.torq];
@@ -39,7 +40,7 @@ export function lacks(machine) {
 }
 
 /** Why PANIC is up, from what can be seen: button, cable, power, heartbeats of switched-on axes. */
-export function panicCauses(machine) {
+export function panicCauses(machine, row) {
   const { history, hello } = machine;
   const causes = [];
   if (machine.input("estop")) causes.push("the hand-held button is pressed");
@@ -47,7 +48,7 @@ export function panicCauses(machine) {
   if (machine.input("pc_power") === 0) causes.push("the card cage has no power");
   const off = machine.inputs.find(({ name }) => name === "axis_enable")?.values ?? {};
   for (let axis = 0; axis < hello.axes; axis++)
-    if (off[axis] !== 0 && !((history.lights(axis >> 1) >> (6 + (axis & 1))) & 1))
+    if (off[axis] !== 0 && !((history.lights(axis >> 1, row) >> (6 + (axis & 1))) & 1))
       causes.push(`axis ${axis} has no heartbeat`);
   return causes;
 }
@@ -71,6 +72,19 @@ export function causeOf(events, t) {
   return "STOP";
 }
 
+/** The fault about the last sample, after which none came. */
+const faultThatEnded = ({ messages, history }) =>
+  messages.find(({ kind, t, left }) => kind === "fault" && !left && t >= history.now - NEAR_S);
+
+/** The banner while a moment of the past is shown. */
+function pastOf({ machine, t, row }) {
+  const lines = machine.history.value(row, machine.history.linesColumn);
+  const then = [lines & LINES.enabled ? "servo on" : "servo off", lines & LINES.brakes ? "brakes off" : "brakes on"];
+  const now = machine.enabled ? " The machine drives now: STOP works as ever." : "";
+  return { kind: "past", cause: `The past, ${t.toFixed(3)} s: ${then.join(", ")}.`,
+    next: `Nothing can be changed there.${now} "Now" shows the present, "Go back there" restores that moment.` };
+}
+
 /** An axis that is to move and stands, because its loop pushes with less than static friction holds:
  * {axis, pushes, holds, mode}, D/A units. motors: of the robot file. undefined: there is none. */
 export function stuckAxis({ history, driver }, motors) {
@@ -90,10 +104,11 @@ export function stuckAxis({ history, driver }, motors) {
   return motors.map(stands).find(Boolean);
 }
 
-/** {kind, cause, next, offer}: kind is bad, warn, good or rest; offer: the robot's gains would help. */
-export function condition(page, end, now) {
+/** {kind, cause, next, offer, before}: kind is bad, warn, good, rest or past; offer: the robot's gains
+ * would help; before: s, going back to there would. now: ms of this page. */
+export function condition(page, now) {
   const { machine } = page;
-  const { history } = machine;
+  const { history, powerEnd } = machine;
   if (!machine.connected)
     return { kind: "bad", cause: "Not connected to the machine.",
       next: "A page that controlled it has stopped it by its end. Trying again every second." };  // prettier-ignore
@@ -102,13 +117,20 @@ export function condition(page, end, now) {
       next: "Control waits for it. Load the page by the address that mmcs tool printed." };  // prettier-ignore
   if (history.end === history.first)
     return { kind: "rest", cause: "No sample yet.", next: "Time passes while somebody has the device open." };
+  if (page.past) return pastOf(page);
   const missing = lacks(machine);
   const bare = machine.controls && machine.driver.params.some((param, n) => isInitial(param) && page.differs(n));
   const next = missing.length ? `Enable lacks ${missing.join("; ")}.` : "Enable (E, then Enter) drives and opens the brakes.";
   const frozen = now - machine.heard;
-  if (!machine.paused && frozen > FROZEN_MS)
-    return { kind: "bad", cause: `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`,
-      next: takesSamples(machine) ? "The computer may be too busy, or the server hangs; STOP has a way of its own." : next };  // prettier-ignore
+  if (!machine.paused && frozen > FROZEN_MS) {
+    const fault = faultThatEnded(machine);
+    const cause = `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`;
+    if (fault && takesSamples(machine))
+      return { kind: "bad", cause: `${cause} Since ${fault.t.toFixed(3)} s: ${fault.text}.`,
+        next: "The driver takes no samples since then. Go back before it, or start the machine again.", before: fault.t - BEFORE_S };
+    return { kind: "bad", cause, next: takesSamples(machine)
+      ? "The computer may be too busy, or the server hangs; STOP has a way of its own." : next };
+  }
   const lines = history.value(history.end - 1, history.linesColumn);
   if (lines & LINES.enabled) {
     if (lines & LINES.panic)
@@ -128,29 +150,10 @@ export function condition(page, end, now) {
     const tail = machine.paused && machine.controls ? " Time is paused: Run on." : "";
     return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}`, offer: bare };
   }
-  if (end) return { kind: "warn", cause: `Stopped at ${end.t.toFixed(3)} s: ${end.cause}.`, next };
+  if (powerEnd !== null) {
+    const why = causeOf(machine.messages.slice(-RECENT).filter(({ left }) => !left), powerEnd);
+    return { kind: "warn", cause: `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next, offer: bare };
+  }
   return { kind: "rest", cause: "At rest, brakes on.", next, offer: bare };
 }
 
-export function statusBar(page, element) {
-  const { machine } = page;
-  const cause = el("strong", { id: "cause" });
-  const next = el("span", { id: "next" });
-  const offer = button("offer", "Take the robot's gains", () => machine.try(page.takeSuggested()));
-  element.append(cause, next, offer);
-  let end = null; // of the last power: {t, cause}
-  machine.addEventListener("event", ({ detail }) => {
-    if (detail.kind === "rewind") end = null;
-    if (detail.kind !== "enabled") return;
-    end = detail.value || detail.text.startsWith("as it is") ? null : { t: detail.t, cause: "" };
-  });
-  return () => {
-    if (end) end.cause = causeOf(machine.messages.slice(-400), end.t);
-    const now = condition(page, end, performance.now());
-    element.className = now.kind;
-    setText(cause, now.cause);
-    setText(next, now.next);
-    offer.hidden = !(now.offer && machine.controls);
-    document.body.classList.toggle("gone", !machine.connected);
-  };
-}

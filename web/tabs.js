@@ -1,26 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views at the right, one at a time. A view is {title, element, shown(), update(row), draw(row)}:
-// update with the state, draw with the pictures.
+// The views at the right, one at a time. A view is {title, element, shown(), update(), draw()}: update with
+// the state, draw with the pictures.
 
-import { button, el } from "./dom.js";
-import { faultsView } from "./faults.js";
-import { frontView } from "./front.js";
+import { button } from "./dom.js";
+import { faults } from "./faults.js";
+import { front } from "./front.js";
+import { render } from "./html.js";
 import { labsView } from "./labs.js";
+import { log } from "./log.js";
 import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
 import { tuneView } from "./tune.js";
 import { wavesView } from "./waves.js";
 
-export function tabs(page, log) {
+/** A view that is a function of the page; changes: the machine. */
+function view(page, title, of, changes = false) {
+  const element = document.createElement("div");
+  const update = () => render(of(page), element);
+  return { title, element, shown: update, update, changes };
+}
+
+export function tabs(page) {
   const views = [
     scopeView(page),
     tuneView(page),
-    frontView(page),
+    view(page, "Machine", front),
     registersView(page),
-    faultsView(page),
+    view(page, "Faults", faults, true),
     wavesView(page),
     labsView(page),
-    { title: "Log", element: el("div", {}, log.list) },
+    view(page, "Log", log),
   ];
   const bar = document.getElementById("tabs");
   const room = document.getElementById("views");

@@ -2,14 +2,11 @@
 // Step response, Bode plot and auto-tune of one axis, beside what the design predicts.
 
 import uPlot from "./lib/uplot/uPlot.esm.js";
-import { button, choice, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
-
-const ALIVE_MS = 80; // the experiment is broken off after 250 ms of silence
+import { button, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
 
 export function tuneView(page) {
   const { machine, advice } = page;
-  const axes = Array.from({ length: machine.hello.axes }, (_, n) => [n, `axis ${n}`]);
-  const axis = choice(axes, { id: "tune-axis" });
+  const named = el("b", { id: "tune-axis" });
   const number = (id, value, name) => el("input", { type: "text", size: 6, value, id, "aria-label": name });
   const size = number("step-size", "200", "step, counts");
   const wn = number("tune-wn", "50", "bandwidth, rad/s");
@@ -27,12 +24,20 @@ export function tuneView(page) {
     if (detail.lend) machine.lend(detail.lend);
   });
 
+  /** What was typed into some of the fields, by name; null, and a line, if one is no number. */
+  function typed(fields) {
+    for (const field of Object.values(fields))
+      if (parseNumber(field.value) === null) {
+        machine.say("error", `${field.getAttribute("aria-label")}: "${field.value}" is no number`);
+        return null;
+      }
+    return Object.fromEntries(Object.entries(fields).map(([name, { value }]) => [name, parseNumber(value)]));
+  }
+
   async function experiment(op, args) {
     if (!machine.controls) return machine.say("error", "take control first");
     if (!machine.enabled) return machine.say("error", "enable the machine first");
-    const alive = () => advice.post("alive");
-    const ticks = setInterval(alive, ALIVE_MS);
-    machine.addEventListener("tick", alive); // also in a page that nobody looks at
+    advice.pulse(machine.hangs_ms);
     try {
       return await machine.try(advice.request(op, {
         ...args,
@@ -40,8 +45,7 @@ export function tuneView(page) {
         deadman_ms: machine.deadman_ms,
       }));
     } finally {
-      clearInterval(ticks);
-      machine.removeEventListener("tick", alive);
+      advice.pulse(0);
       setText(progress, "");
       await machine.reclaim();
       await machine.read();
@@ -49,15 +53,11 @@ export function tuneView(page) {
   }
 
   async function tune() {
-    const chosen = Number(axis.value);
-    const done = await experiment("tune", {
-      axis: chosen,
-      wn: parseNumber(wn.value),
-      zeta: parseNumber(zeta.value),
-      half: parseNumber(half.value),
-    });
+    const chosen = page.axis;
+    const asked = typed({ wn, zeta, half });
+    const done = asked && (await experiment("tune", { axis: chosen, ...asked }));
     if (!done) return;
-    motors.set(chosen, { motor: done.motor, away: done.break_away, wn: parseNumber(wn.value), zeta: parseNumber(zeta.value) });
+    motors.set(chosen, { motor: done.motor, away: done.break_away, wn: asked.wn, zeta: asked.zeta });
     const { motor, step, predicted, margins, gains } = done;
     before = { axis: chosen, param: done.before };
     tuned = { axis: chosen, param: done.param };
@@ -103,7 +103,7 @@ export function tuneView(page) {
 
   /** A step there, recorded from the stream, beside the prediction. */
   async function step() {
-    const chosen = Number(axis.value);
+    const chosen = page.axis;
     const counts = parseNumber(size.value);
     if (!machine.controls) return machine.say("error", "take control first");
     if (!Number.isInteger(counts)) return machine.say("error", `"${size.value}" is no step in counts`);
@@ -148,14 +148,15 @@ export function tuneView(page) {
   }
 
   async function bode() {
-    const chosen = Number(axis.value);
-    const made = await experiment("chirp", { axis: chosen, amplitude: Math.abs(parseNumber(size.value) ?? 100) / 2,
-      low: 1, high: 40, seconds: 12 });  // prettier-ignore
+    const chosen = page.axis;
+    const asked = typed({ size });
+    const made = asked && (await experiment("chirp", { axis: chosen, amplitude: Math.abs(asked.size) / 2,
+      low: 1, high: 40, seconds: 12 }));
     if (!made) return;
     plots.replaceChildren();
     const model = await predicted(chosen);
     for (const [unit, measured, predicted] of [["dB", made.gain_db, model?.bode_db],
-      ["°", made.phase_deg, model?.bode_deg]]) {  // prettier-ignore
+      ["°", made.phase_deg, model?.bode_deg], ["coherence", made.coherence, null]]) {  // prettier-ignore
       const tables = [[made.hz, measured]];
       const series = [{ label: `measured, ${unit}`, stroke: colour("--c0"), points: { show: true } }];
       if (predicted) {
@@ -175,9 +176,9 @@ export function tuneView(page) {
   const keep = button("tune-keep", "Keep all the same", () => put(tuned, "the parameters that auto-tune made"));
   const save = button("tune-save", "Save as TOML", () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
   undo.hidden = keep.hidden = save.hidden = true;
-  page.addEventListener("choose", () => { axis.value = page.axis; });
+  const update = () => setText(named, `Axis ${page.axis}`);
   const element = el("div", { className: "tune" },
-    el("div", { className: "row" }, labelled("Axis", axis), labelled("Step", size, "counts"),
+    el("div", { className: "row" }, named, labelled("Step", size, "counts"),
       button("step-go", "Step", step), button("bode-go", "Bode plot", bode)),
     el("div", { className: "row" }, labelled("Bandwidth", wn, "rad/s"), labelled("Damping", zeta),
       labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, keep, save),
@@ -185,7 +186,7 @@ export function tuneView(page) {
       "mode; STOP ends it. Gains and friction compensation whose step does what is asked stay, and the " +
       "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
     progress, verdict, result, plots);  // prettier-ignore
-  return { title: "Tune", element };
+  return { title: "Tune", element, shown: update, update, changes: true };
 
   function until(done) {
     return new Promise((resolve) => {

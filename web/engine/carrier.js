@@ -10,6 +10,9 @@ export async function startMachine(setup, options, told) {
   const worker = new Worker("engine/worker.js", { type: "module" });
   const carrier = { onText() {}, onBytes() {}, onClose() {}, close: () => worker.terminate() };
   carrier.send = (text) => worker.postMessage(text);
+  const ticks = new Worker("socket.js"); // no socket: its ticks go on in a page that nobody looks at
+  ticks.onmessage = () => carrier.send(JSON.stringify({ op: "alive" }));
+  carrier.pulse = (ms) => ticks.postMessage({ pulse: ms });
   worker.onmessage = ({ data }) => {
     if (data instanceof ArrayBuffer) return carrier.onBytes(data);
     const message = JSON.parse(data);

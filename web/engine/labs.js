@@ -21,5 +21,5 @@ export class PageAdvice extends EventTarget {
   async request(op) {
     throw new Error(`${op} needs Python: it is in \`mmcs tool\` (make tool), not in this page`);
   }
-  post() {}
+  pulse() {}
 }

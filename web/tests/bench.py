@@ -76,6 +76,15 @@ def enable(page) -> None:
     page.wait_for_function("() => mctool.machine.enabled")
 
 
+def pick(page, choice: str, value: str) -> None:
+    """Presses one of the buttons of a choice."""
+    page.click(f"{choice} [value='{value}']")
+
+
+def chosen(page, choice: str) -> str:
+    return page.get_attribute(choice, "data-value")
+
+
 def saved(page, button: str, folder: Path) -> Path:
     """The file that the page gives at a press of the button."""
     with page.expect_download() as download:

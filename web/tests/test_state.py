@@ -5,7 +5,7 @@ import os
 import signal
 
 import pytest
-from bench import Desk, enable
+from bench import Desk, chosen, enable, pick
 from test_page import choose, enter
 
 from mmcs import Link, mcdef
@@ -25,9 +25,9 @@ SHOWN = """(axis) => {
   const panel = document.getElementById(`axis${axis}-panel`);
   const fields = [...panel.querySelectorAll(".fields input")];
   return {
-    mode: of("mode").value,
-    source: of("setpoint source").value,
-    feedback: of("feedback").value,
+    mode: of("mode").dataset.value,
+    source: of("setpoint source").dataset.value,
+    feedback: of("feedback").dataset.value,
     coulomb: of("Coulomb compensation").checked,
     led: of("LED").checked,
     setpoint: of("setpoint").value,
@@ -37,7 +37,7 @@ SHOWN = """(axis) => {
     coefficients: panel.querySelector(".coefficients").textContent,
     fields: Object.fromEntries(fields.map((f) => [f.parentElement.innerText.trim(), f.value])),
     interval: document.getElementById("interval").value,
-    diag: document.getElementById("diag").value,
+    diag: document.getElementById("diag").dataset.value,
     double: document.getElementById("double").checked,
     drafts: document.querySelectorAll(".draft").length,
   };
@@ -130,7 +130,7 @@ def test_the_way_back_in_time_and_another_page_are_shown(desk, outside):
     assert desk.page.input_value(f"#axis{AXIS}-ilim") == "321"
     other = desk.open()  # and takes control, which nobody has
     desk.choose(AXIS, other)
-    other.select_option(f"#axis{AXIS}-mode", "torq")
+    pick(other, f"#axis{AXIS}-mode", "torq")
     shows(desk, mode="torq")
     other.close()
 
@@ -164,12 +164,18 @@ def test_a_refused_gain_leaves_the_others(desk):
 def test_off_after_diag_takes_the_code_from_the_d_a(desk):
     page = desk.page
     enable(page)
-    page.select_option("#axis0-mode", "diag")
+    pick(page, "#axis0-mode", "torq")
+    enter(page, "#axis0-setpoint", "60")
+    desk.until("() => mctool.machine.history.latest(0).current === 60")
+    pick(page, "#axis0-mode", "diag")  # while a current flows
+    desk.until("() => mctool.machine.history.latest(0).current === 0")
+    page.evaluate("() => mctool.page.render()")
+    assert chosen(page, "#axis0-mode") == "diag"
     enter(page, "#axis0-setpoint", "200")
     desk.until("() => mctool.machine.history.latest(0).current === 200")
-    page.select_option("#axis0-mode", "off")
+    pick(page, "#axis0-mode", "off")
     desk.until("() => mctool.machine.history.latest(0).current === 0")
-    desk.eventually(lambda: page.input_value("#axis0-mode") == "off")
+    desk.eventually(lambda: chosen(page, "#axis0-mode") == "off")
 
 
 @pytest.mark.req("DRV-4")
@@ -198,11 +204,11 @@ def test_setpoints_go_on_from_what_the_driver_has(desk):
         choose(desk, "mode", "pos", lambda mode: mode == POS, axis)
     enable(page)
     page.click("#tab-tune")
-    page.select_option("#tune-axis", "4")
+    desk.choose(4)
     page.click("#step-go")
     counts = int(page.input_value("#step-size"))
     desk.until(now, [4, counts])
-    page.evaluate("() => mctool.page.panels[4].nudge(1)")
+    page.evaluate("() => mctool.page.axes[4].nudge(1)")
     desk.until(now, [4, counts + 400])
     moment = desk.link.request("snapshot")["snapshot"]["id"]
     desk.choose(5)
@@ -290,11 +296,15 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
     assert not stops(key(box, "Space"))
     desk.eventually(lambda: desk.param(0)["mode"] & mcdef.COULCOMP)
     assert not stops(key("#step-size", "Space")) and page.input_value("#step-size") == " "
-    assert not stops(key("#axis0-mode", "Space"))
-    page.keyboard.press("Escape")
-    for where in ("#clear", "[id='axis0-P gain slider']", "#tab-tune"):
+    assert page.locator("#global select, #panels select, #timebar select").count() == 0
+    for where in (
+        "#clear",
+        "#axis0-mode [tabindex='0']",
+        "[id='axis0-P gain slider']",
+        "#tab-tune",
+    ):
         assert stops(key(where, "Space")), where
-    for where in ("#step-size", box, "#clear"):
+    for where in ("#step-size", box, "#clear", "#axis0-mode [tabindex='0']"):
         assert stops(key(where, "Escape")), where
 
 
@@ -333,10 +343,12 @@ def test_a_lost_connection_is_told_and_mended(desk):
     desk.eventually(lambda: page.evaluate("() => mctool.machine.connected") is True)
     desk.choose(3)
     page.click("#control")
-    page.select_option("#axis3-mode", "vel")
+    pick(page, "#axis3-mode", "vel")
     desk.eventually(lambda: desk.param(3)["mode"] == VEL)
     os.kill(gateway, signal.SIGKILL)
-    desk.eventually(lambda: page.is_disabled("#axis3-mode") and page.is_disabled("#control"))
+    desk.eventually(
+        lambda: page.is_disabled("#axis3-mode [value=off]") and page.is_disabled("#control")
+    )
     assert "Not connected" in page.inner_text("#cause")
 
 
@@ -344,12 +356,12 @@ def test_an_onlooker_s_page_shows_what_a_program_drives(browser, attached):
     """`bounce` drives in velocity mode: its page says so, and its gains."""
     socket, bounce = attached
     desk = Desk(browser, start("", socket, {}))
-    assert desk.page.input_value("#axis0-mode") == "off"
+    assert chosen(desk.page, "#axis0-mode") == "off"
     bounce()
     desk.until("() => mctool.machine.history.latest(0).setpoint !== 0")
     param = desk.param(0)
     assert param["mode"] & 0xF == VEL
-    desk.eventually(lambda: desk.page.input_value("#axis0-mode") == "vel")
+    desk.eventually(lambda: chosen(desk.page, "#axis0-mode") == "vel")
     assert desk.page.input_value("#axis0-a0") == str(param["a0"])
     assert desk.page.input_value('[id="axis0-P gain"]') != "100"
     desk.close()
@@ -360,15 +372,84 @@ def test_a_square_wave_of_the_page_ends_with_power(desk):
     page = desk.page
     choose(desk, "mode", "pos", lambda mode: mode == POS, 4)
     enable(page)
-    page.select_option("[id='axis4-setpoint source']", "square")
+    pick(page, "[id='axis4-setpoint source']", "square")
     enter(page, "#axis4-setpoint", "100")
     desk.until("() => mctool.machine.history.latest(4).setpoint !== 0")
     desk.stop_frame.click("#press")
     desk.until("() => !mctool.machine.enabled")
-    desk.eventually(lambda: page.input_value("[id='axis4-setpoint source']") == "slider")
-    assert page.evaluate("() => mctool.page.panels[4].square") is None
+    desk.eventually(lambda: chosen(page, "[id='axis4-setpoint source']") == "slider")
+    assert page.evaluate("() => mctool.page.axes[4].square") is None
     desk.stop_frame.click("#press")
     desk.until("() => !mctool.machine.input('estop')")
     page.click("#enable")
     desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
-    assert page.evaluate("() => mctool.page.panels[4].square") is None
+    assert page.evaluate("() => mctool.page.axes[4].square") is None
+
+
+def test_the_past_is_tinted_its_controls_are_dead_and_a_future_left_is_a_branch(desk):
+    page = desk.page
+    choose(desk, "mode", "pos", lambda mode: mode == POS)
+    enable(page)
+    moment = desk.link.request("snapshot")["snapshot"]["t"]  # the ring may forget it
+    desk.until("t => mctool.machine.history.now > t + 0.3", moment)
+    pick(page, "#axis0-mode", "vel")
+    page.click("#control")  # gives it back, and stops
+    desk.until("() => !mctool.machine.enabled")
+    page.click("#control")
+    page.evaluate("t => mctool.page.look(t)", moment)
+    dead = (
+        "#enable",
+        "#robot-gains",
+        "#clear",
+        "#interval",
+        "#axis0-mode [value=off]",
+        "#axis0-ilim",
+    )
+    assert [one for one in dead if page.is_enabled(one)] == []
+    assert page.inner_text("#tile0 .mode") == "Pos" and "servo on" in page.inner_text(
+        ".lamp >> nth=0"
+    )
+    assert page.inner_text("#cause").endswith("servo on, brakes off.")
+    assert page.evaluate("() => document.body.classList.contains('past')")
+    page.click("#tab-tune")
+    assert page.evaluate("() => document.querySelector('.tune').inert")
+    page.click("#rewind-go")
+    desk.until("t => mctool.page.moment === null && mctool.machine.history.now <= t", moment)
+    page.click("#pause")
+    desk.until("() => document.querySelector('.branch') && document.querySelector('.mark.left')")
+    assert page.is_enabled("#axis0-ilim")
+
+
+MISTAKES = {  # what is typed where: what the page says
+    "#axis0-setpoint": {"2000": "more than ilim, 1024", "": "no setpoint", "1e400": "no setpoint"},
+    "#interval": {
+        "50": "interval, µs",
+        "1000000": "panics by design",
+        "600000000": "timers do not make",
+    },
+    "#axis0-ilim": {"1,234": "whole number", "": "whole number"},
+    "[id='axis0-P gain']": {"": "no gain in %", "1e400": "no gain in %"},
+}
+
+
+def test_a_sentence_for_each_mistake(desk):
+    page = desk.page
+    choose(desk, "mode", "torq", lambda mode: mode == TORQ)
+    page.click("#axis0-panel summary")
+    for where, typed in MISTAKES.items():
+        for text, said in typed.items():
+            enter(page, where, text)
+            desk.eventually(lambda said=said: said in page.inner_text("#said"))
+    enter(page, "[id='axis0-P gain']", "-100")
+    desk.eventually(lambda: "drives away" in page.inner_text("#axis0-panel .warnings"))
+    page.evaluate("() => mctool.machine.change(0, { plo: -50, phi: 50, mode: 1 })")
+    desk.eventually(lambda: chosen(page, "#axis0-mode") == "pos")
+    enter(page, "#axis0-setpoint", "51")
+    desk.eventually(lambda: "beyond the limits plo and phi, -50 to 50" in page.inner_text("#said"))
+    page.click("#tab-tune")
+    enable(page)
+    for field, name in (("#tune-wn", "bandwidth"), ("#tune-half", "safe counts")):
+        page.fill(field, "")
+        page.click("#tune-go")
+        desk.eventually(lambda name=name: name in page.inner_text("#said"))
+        page.fill(field, "1000")

@@ -96,6 +96,15 @@ def test_a_hung_page_in_control_stops_the_machine_by_itself(desk):
         assert desk.state()["time"] - since < SILENT_MS / 1000 - 1
 
 
+@pytest.mark.deadman(3000)
+def test_a_page_that_is_busy_for_twice_the_dead_man_keeps_control(desk):
+    """A Worker says that the page is there; a page that hangs for longer is the test above."""
+    enable(desk)
+    hang(desk.page, 6000)
+    desk.until("() => true")  # once it is over
+    assert desk.page.evaluate("() => mctool.machine.controls") and desk.state()["enabled"]
+
+
 @pytest.mark.req("TOOL-1")
 def test_strangers_reach_neither_page_nor_socket(desk):
     import urllib.error
