@@ -23,7 +23,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test fuzz generate help help-all installed learn-test lint linuxcnc-test litex-test mutation release sim test test-all test-fast test-icarus test-netlist tool tool-test waves web web-test
+.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test fuzz generate help help-all installed learn-test lint linuxcnc-test litex-test mutation pictures release sim test test-all test-fast test-icarus test-netlist tool tool-test waves web web-test
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -200,6 +200,9 @@ docs: $(VENV)/.docs ## the documentation site into build/docs; a link that leads
 web-test: $(VENV)/.tool-test web docs #: the site in a real browser: hashes, records, offline, a telephone
 	@$(BIN)/python -m pytest web/tests/site
 	@$(if $(WRITE),$(BIN)/python web/tests/manual.py)
+
+pictures: $(VENV)/.tool-test web docs #: the screenshots of the manual, all made anew
+	@$(BIN)/python web/tests/manual.py anew
 
 # --- bridges to what others use -------------------------------------------------------------
 

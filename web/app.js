@@ -52,9 +52,9 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     page.units.motors = page.about.motors;
     page.axes = Array.from({ length: machine.hello.axes }, (_, n) => new Axis(page, n));
     document.title = page.title;
-    const arm = new Arm(page);
-    room("arm").append(arm.element);
-    arm.about = page.about;
+    page.arm = new Arm(page);
+    room("arm").append(page.arm.element);
+    page.arm.about = page.about;
     const views = tabs(page);
     keys(page);
     page.render = () => {
@@ -68,7 +68,7 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     };
     page.draw = () => {
       if (page.row < 0) return;
-      arm.draw(page.row);
+      page.arm.draw(page.row);
       views.forEach((view) => view.visible && view.draw?.());
     };
     page.addEventListener("changed", page.render);

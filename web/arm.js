@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arm from the robot file's own Denavit-Hartenberg numbers: where the encoders say it is (solid),
-// and where it is told to be (dashed). A machine without links is drawn as its motors' dials.
+// The arm from the robot file's own Denavit-Hartenberg numbers: where the encoders say it is (solid, the
+// chosen joint lit), and where it is told to be (dashed). A joint in Pos is dragged by hand: its setpoint
+// follows. A machine without links is drawn as its motors' dials.
 //
 // Drawn on a plain canvas: a picture costs a millisecond, and none is drawn while nothing moves.
 
 import { el } from "./dom.js";
+import { MODE_MASK, MODES } from "./params.js";
 
 const TUBE_M = 0.05;
 const FLOOR_M = -0.67; // a PUMA's shoulder stands so high above it
 const MIDDLE_M = 0.15; // what the eye looks at
 const MOST_ABOVE = 1.5;
+const HAND = [[0, 0, 0.09], [0.04, 0, 0.09], [0.04, 0, 0.15], [0.04, 0, 0.09], [-0.04, 0, 0.09], [-0.04, 0, 0.15]]; // m
+const NEAR_PX = 14; // of a link's line, where it is taken by hand
+const BY_PX = Math.PI / 400; // rad that a joint turns for a pixel
 
 const multiply = (a, b) =>
   Array.from({ length: 12 }, (_, n) => {
@@ -18,7 +23,8 @@ const multiply = (a, b) =>
     return sum + (column === 3 ? a[4 * row + 3] : 0);
   });
 
-/** Positions of the joints' frames, m: the base, then two per link (its bend, its end). angles: rad. */
+/** Positions of the joints' frames, m: the base, then two per link (its bend, its end), then the hand's.
+ * angles: rad. */
 export function frames(links, angles) {
   let at = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
   const places = [[0, 0, 0]];
@@ -29,7 +35,8 @@ export function frames(links, angles) {
     at = multiply(at, [ct, -st * ca, st * sa, a * ct, st, ct * ca, -ct * sa, a * st, 0, sa, ca, d]);
     places.push([at[3], at[7], at[11]]);
   });
-  return places;
+  const ofHand = ([x, y, z]) => [0, 4, 8].map((row) => at[row] * x + at[row + 1] * y + at[row + 2] * z + at[row + 3]);
+  return [...places, ...HAND.map(ofHand)];
 }
 
 /** Joint angle, rad, of a count. The counter is 0 where the joint stood at power-on. */
@@ -39,6 +46,8 @@ function jointAngle(motor, count) {
 
 export class Arm {
   #drawn = "";
+  seen = []; // {joint, from, to}: links on the screen
+  #dragged = null; // {joint, x, setpoint}
   #colours = null;
 
   constructor(page) {
@@ -68,8 +77,17 @@ export class Arm {
       this.turn.above = Math.max(-MOST_ABOVE, Math.min(MOST_ABOVE, this.turn.above + above));
       this.draw();
     };
+    this.element.addEventListener("pointerdown", ({ offsetX, offsetY, pointerId }) => {
+      this.element.setPointerCapture(pointerId);
+      const joint = this.#at(offsetX, offsetY);
+      const axis = this.page.axes[joint];
+      if (axis) this.page.choose(joint);
+      this.#dragged = axis?.param ? { joint, x: offsetX, setpoint: axis.setpoint } : null;
+    });
     this.element.addEventListener("pointermove", (event) => {
-      if (event.buttons) move(-event.movementX / 150, event.movementY / 150);
+      if (!event.buttons) return;
+      if (this.#dragged) this.#drag(event.offsetX);
+      else move(-event.movementX / 150, event.movementY / 150);
     });
     this.element.addEventListener("wheel", (event) => {
       event.preventDefault();
@@ -84,6 +102,31 @@ export class Arm {
     });
   }
 
+  /** The joint whose link is under a point of the screen; undefined: none. */
+  #at(x, y) {
+    const far = ({ from, to }) => {
+      const [u, v] = [to.x - from.x, to.y - from.y];
+      const part = Math.max(0, Math.min(1, ((x - from.x) * u + (y - from.y) * v) / (u * u + v * v || 1)));
+      return Math.hypot(from.x + part * u - x, from.y + part * v - y);
+    };
+    const near = this.seen.map((one) => ({ ...one, px: far(one) })).filter(({ px }) => px < NEAR_PX);
+    return near.sort((a, b) => a.px - b.px)[0]?.joint;
+  }
+
+  #drag(x) {
+    const { page, motors } = this;
+    const { joint, x: began, setpoint } = this.#dragged;
+    const axis = page.axes[joint];
+    if (!page.machine.controls || page.past) return;
+    if ((axis.param.mode & MODE_MASK) !== MODES.pos) {
+      page.machine.say("help", `axis ${joint}: a joint follows the hand in Pos`);
+      this.#dragged = null;
+      return;
+    }
+    const counts = ((x - began) * BY_PX * motors[joint].counts_per_rev * Math.abs(motors[joint].gear)) / (2 * Math.PI);
+    page.drafts.take("arm", setpoint + Math.round(counts), (value) => axis.setSetpoint(value), true);
+  }
+
   /** The picture of a row of the history, if it differs from the one that is there. */
   draw(row = this.row) {
     const { motors, canvas } = this;
@@ -93,7 +136,7 @@ export class Arm {
     const counts = (field) => motors.map((_, n) => history.value(row, history.column(n, field)));
     const [now, told] = [counts("encnow"), counts("demand")];
     const { clientWidth: width, clientHeight: height } = canvas;
-    const key = [now, told, width, height, Object.values(this.turn)].join();
+    const key = [now, told, width, height, Object.values(this.turn), this.page.axis].join();
     if (key === this.#drawn || !width) return;
     this.#drawn = key;
     this.element.dataset.away = this.turn.away.toFixed(2); // seen by tests
@@ -114,21 +157,26 @@ export class Arm {
     return this.#colours.getPropertyValue(name);
   }
 
-  #eye(width, height) {
+  /** How a place, m, is seen; `places` are never cut off. */
+  #eye(width, height, places) {
     const { around, above, away } = this.turn;
     const [ca, sa, ce, se] = [Math.cos(around), Math.sin(around), Math.cos(above), Math.sin(above)];
-    const zoom = Math.min(width, height) * 1.3;
-    return ([x, y, z]) => {
+    let zoom = Math.min(width, height) * 1.3;
+    const see = ([x, y, z]) => {
       const [right, ahead] = [-sa * x + ca * y, ca * x + sa * y];
       const depth = away - (ce * ahead + se * (z - MIDDLE_M));
       const up = ce * (z - MIDDLE_M) - se * ahead;
       const scale = zoom / Math.max(0.2, depth);
       return { x: width / 2 + right * scale, y: height / 2 - up * scale, scale, depth };
     };
+    const out = places.map(see).map(({ x, y }) => Math.max(Math.abs((2 * x) / width - 1), Math.abs((2 * y) / height - 1)));
+    zoom *= Math.min(1, 0.95 / Math.max(...out));
+    return see;
   }
 
   #arm(pen, width, height, angles, told) {
-    const see = this.#eye(width, height);
+    const [places, wanted] = [angles, told].map((all) => frames(this.links, all));
+    const see = this.#eye(width, height, [...places, ...wanted]);
     const line = (points, colour, thick, dash = []) => {
       pen.strokeStyle = colour;
       pen.lineWidth = thick;
@@ -140,23 +188,24 @@ export class Arm {
     for (let n = -4; n <= 4; n++)
       for (const points of [[[n / 4, -1, FLOOR_M], [n / 4, 1, FLOOR_M]], [[-1, n / 4, FLOOR_M], [1, n / 4, FLOOR_M]]])
         line(points, this.#colour("--line"), 1);  // prettier-ignore
-    const places = frames(this.links, angles);
     line(places.map(([x, y]) => [x, y, FLOOR_M]), this.#colour("--shade"), 9);  // its shadow
     const tubes = [{ from: [0, 0, FLOOR_M], to: [0, 0, 0], r: TUBE_M * 1.5 }];
     for (let n = 1; n < places.length; n++) {
       const [from, to] = [places[n - 1], places[n]];
+      const joint = Math.min((n - 1) >> 1, this.links.length - 1);
       if (Math.hypot(...from.map((v, k) => v - to[k])) > 1e-4)
-        tubes.push({ from, to, r: TUBE_M * (1.15 - (0.8 * n) / places.length) });
+        tubes.push({ joint, from, to, r: TUBE_M * (1.15 - (0.95 * n) / places.length) });
     }
+    this.seen = tubes.slice(1).map(({ joint, from, to }) => ({ joint, from: see(from), to: see(to) }));
     const depth = ({ from, to }) => see(from.map((v, k) => (v + to[k]) / 2)).depth;
-    for (const { from, to, r } of tubes.sort((a, b) => depth(b) - depth(a))) {
+    for (const { joint, from, to, r } of tubes.sort((a, b) => depth(b) - depth(a))) {
       const thick = 2 * r * see(from).scale;
       line([from, to], this.#colour("--arm-edge"), thick + 2);
-      line([from, to], this.#colour("--arm"), thick);
+      line([from, to], this.#colour(joint === this.page.axis ? "--told" : "--arm"), thick);
       line([from, to], this.#colour("--arm-light"), thick * 0.3);
       this.#joint(pen, see(to), r * 0.9);
     }
-    line(frames(this.links, told), this.#colour("--told"), 2, [5, 4]);
+    line(wanted, this.#colour("--told"), 2, [5, 4]);
   }
 
   #joint(pen, { x, y, scale }, r) {
@@ -197,7 +246,7 @@ export class Arm {
         pen.stroke();
       }
       hand(told[n], this.#colour("--told"), 2, [5, 4]);
-      hand(angle, this.#colour("--arm"), 7, []);
+      hand(angle, this.#colour(n === this.page.axis ? "--c2" : "--arm"), 7, []);
       pen.fillStyle = this.#colour("--ink");
       pen.fillText(`motor ${n}`, x - 20, y + r + 14);
     });

@@ -37,6 +37,7 @@ export class Axis {
 
   /** Of the panel: a name of MODE_NAMES. */
   get mode() {
+    if (!this.param) return "off"; // the servo does not control this axis
     const name = modeName(this.param, this.#code);
     return name === "off" && this.#wantsDiag ? "diag" : name;
   }

@@ -79,6 +79,34 @@ export function perFrame(f) {
   };
 }
 
+const CLICK_PX = 4;
+
+/** Fingers and buttons on an element: one carries, pan(from, to); two stretch, zoom(factor, about); one that
+ * does not move is a click, tap(x, y). All in pixels of the element. takes(event): whether one counts. */
+export function gestures(element, { takes, pan, zoom, tap = () => {} }) {
+  const pointers = new Map();
+  const act = (event) => {
+    const { type, pointerId: id, clientX, clientY } = event;
+    const { left, top } = element.getBoundingClientRect();
+    const x = clientX - left;
+    const was = pointers.get(id);
+    if (type === "pointerdown" && takes(event)) {
+      element.setPointerCapture(id);
+      pointers.set(id, { x, began: x, moved: false });
+    } else if (type === "pointermove" && was) {
+      const other = [...pointers].find(([one]) => one !== id)?.[1].x;
+      const moved = was.moved || Math.abs(x - was.began) > CLICK_PX;
+      pointers.set(id, { ...was, x, moved });
+      if (other !== undefined) zoom(Math.abs(was.x - other) / Math.max(1, Math.abs(x - other)), other);
+      else if (moved) pan(was.x, x);
+    } else if (was) {
+      pointers.delete(id);
+      if (type === "pointerup" && !was.moved) tap(x, clientY - top);
+    }
+  };
+  for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) element.addEventListener(type, act);
+}
+
 const LEAST_MS = 80; // between pictures
 const MOST_MS = 500; // from picture to picture, as far as drawing allows
 const REST = 6; // times its own time, that a picture is followed by none

@@ -2,7 +2,7 @@
 // The screen of the scope: a lane for each kind of quantity, one above the other over the same time.
 
 import uPlot from "./lib/uplot/uPlot.esm.js";
-import { colour, el } from "./dom.js";
+import { colour, el, gestures } from "./dom.js";
 import { envelope } from "./samples.js";
 
 // Told apart by colour-blind readers (look.css), and by their dashes.
@@ -39,6 +39,11 @@ export class Lanes {
       event.preventDefault();
       wheel(Math.exp(event.deltaY / 500), this.pointer);
     });
+    const left = (of) => of.getBoundingClientRect().left;
+    const time = (x) => this.#plots[0].posToVal(x + left(this.element) - left(this.#plots[0].over), "x");
+    gestures(this.element, { takes: ({ pointerType }) => pointerType === "touch" && this.#plots.length,
+      zoom: (factor, x) => wheel(factor, time(x)),
+      pan: (was, x) => this.zoom(...this.view.map((t) => t + time(was) - time(x))) });
     new ResizeObserver(() => this.#fit()).observe(this.element);
     units.addEventListener("change", anew);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);

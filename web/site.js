@@ -2,18 +2,24 @@
 // The page that holds its own machine: a Worker instead of a socket. docs/use/web.md
 //
 // Address: ?scenario=NAME&seed=N (what is run), plays=0 (the machine alone, nobody moves it), paused=1 (until
-// `Run on`), speed=S (of the clock on the wall; 0: as fast as it goes), and what app.js says.
+// `Run on`), speed=S (of the clock on the wall; 0: as fast as it goes), and what app.js says; #record=…: a
+// whole record, packed, is run again.
 
 import { run } from "./app.js";
 import { askedNumber, button, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
-import { readRecord, setupOf } from "./engine/record.js";
+import { pack, readRecord, setupOf, unpack } from "./engine/record.js";
+import { MODE_MASK, MODES } from "./params.js";
 
 const FIRST = "puma560";
 const FASTEST = 1000;
 const DEADMAN_MS = 2000; // a page that nobody looks at has its timers once a second
+const KEPT = "#record=";
+const TO_AND_FRO_S = 8;
+const TOUCHES = ["pointerdown", "keydown", "wheel"];
 const asked = new URLSearchParams(location.search);
+const isRecord = location.hash.startsWith(KEPT);
 const said = document.getElementById("said");
 const scenarios = await json("scenarios");
 let worker = null;
@@ -24,11 +30,10 @@ async function setupNamed(name) {
   throw new Error(`there is no scenario ${name} here; choose one above`);
 }
 
-/** The setup that the address, or a record kept for this tab, asks for. Throws one sentence. */
+/** The setup that the address asks for. Throws one sentence. */
 async function chosen() {
-  const kept = asked.has("record") && sessionStorage.getItem("record");
-  if (kept) {
-    const record = readRecord(kept);
+  if (isRecord) {
+    const record = readRecord(await unpack(location.hash.slice(KEPT.length)));
     const setup = setupOf(record, await setupNamed(record.scenario));
     expected = record;
     return setup;
@@ -58,12 +63,12 @@ function fail(text) {
 
 const link = (changes) => {
   const made = new URLSearchParams(asked);
-  made.delete("record");
   for (const [name, value] of Object.entries(changes)) made.set(name, value);
   return `${location.pathname}?${made}`;
 };
 const go = (changes) => location.assign(link({ scenario: scenario.value, ...changes }));
-const repeat = () => (asked.has("record") ? location.reload() : go({}));
+const repeat = () => (isRecord ? location.reload() : go({}));
+const keep = async (text) => history.replaceState(null, "", `${location.pathname}${KEPT}${await pack(text)}`);
 const scenario = choice([], { id: "scenario", "aria-label": "scenario",
   onchange: () => go({ scenario: scenario.value }) });  // prettier-ignore
 for (const folder of new Set(scenarios.map((s) => s.folder))) {
@@ -77,7 +82,12 @@ const again = button("again", "Run again", repeat);
 const still = asked.get("plays") === "0";
 const alone = button("alone", still ? "With its motion" : "Without its motion", () => go({ plays: Number(still) }), {
   title: "the machine as `mmcs tool` starts it: nobody moves it but you" });  // prettier-ignore
-const permalink = el("a", { id: "permalink", textContent: "link" });
+const permalink = el("a", { id: "permalink", textContent: "link", title: "scenario and seed; once the motion is done, the whole record",
+  onclick: (event) => {
+    if (record.disabled) return;
+    event.preventDefault();
+    worker.postMessage({ record: "link" });
+  } });
 const progress = el("output", { id: "progress" });
 const hash = el("output", { id: "hash", title: "digest of every sample and of the hardware at the end" });
 const record = button("record", "Save record", () => worker.postMessage({ record: "record" }), {
@@ -85,9 +95,8 @@ const record = button("record", "Save record", () => worker.postMessage({ record
 const log = button("log", "Save log", () => worker.postMessage({ record: "csv" }), { disabled: true });
 const file = el("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
   onchange: async () => {
-    sessionStorage.setItem("record", await file.files[0].text());
-    location.assign("?record");
-  } });  // prettier-ignore
+    await keep(await file.files[0].text()).then(() => location.reload(), ({ message }) => fail(message));
+  } });
 const open = button("", "Replay a record", () => file.click());
 document.getElementById("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), again,
   alone, permalink, record, log, open, file, progress, hash);  // prettier-ignore
@@ -106,12 +115,33 @@ function show(told) {
   document.body.dataset.speed = speed;
 }
 
-function save({ record: made, csv, wanted }) {
-  if (wanted === "csv") download("log.csv", csv, "text/csv");
+async function save({ record: made, csv, wanted }) {
+  if (wanted === "link") await keep(JSON.stringify(made));
+  else if (wanted === "csv") download("log.csv", csv, "text/csv");
   else if (made) download("run.mmcs", `${JSON.stringify(made)}\n`, "application/json");
 }
 
 // --- start ---
+
+/** A motion that is over repeats, between where it ended and began, until the page's first input. */
+function repeatMotion({ machine }) {
+  let began = null; // s
+  let last = [];
+  let asks = false;
+  const again = async () => {
+    const { history, driver, enabled, controls } = machine;
+    if (asks || !document.body.dataset.hash || !enabled || !controls) return;
+    if (driver.params.some((param) => param && (param.mode & MODE_MASK) !== MODES.pos)) return;
+    if (began === null) [began, last] = [history.now, driver.params.map((_, n) => machine.setpoint(n))];
+    const share = (1 - Math.cos((2 * Math.PI * (history.now - began)) / TO_AND_FRO_S)) / 2;
+    asks = true;
+    await machine.try(machine.link.request("write", { setpoints: last.map((to) => Math.round(to * (1 - share))) }));
+    asks = false;
+  };
+  machine.addEventListener("samples", again);
+  for (const type of TOUCHES)
+    document.addEventListener(type, () => machine.removeEventListener("samples", again), { capture: true });
+}
 
 /** STOP has a way of its own to the Worker: it works while this page's stream floods. */
 function connectStop() {
@@ -130,13 +160,13 @@ try {
   const setup = await chosen();
   scenario.value = setup.name;
   seed.value = String(setup.seed);
-  permalink.hidden = expected !== null; // what a record changes is in no address
-  permalink.href = link({ scenario: setup.name, seed: setup.seed });
+  permalink.href = isRecord ? location.href : link({ scenario: setup.name, seed: setup.seed });
   const options = { paused: asked.has("paused"), plays: !still };
   const started = await startMachine(setup, options, hear);
   worker = started.worker;
   connectStop();
   const page = run(started.carrier, { advice: new PageAdvice(), labs: () => new PageLabs() }, true, DEADMAN_MS);
+  repeatMotion(page);
   const paced = () => page.machine.link.request("pace", { speed: speed || null });
   if (asked.has("speed")) page.machine.addEventListener("control", paced, { once: true });
 } catch (error) {

@@ -47,9 +47,10 @@ export function panicCauses(machine, row) {
   if (machine.input("cable") === 0) causes.push("the ribbon cable is out");
   if (machine.input("pc_power") === 0) causes.push("the card cage has no power");
   const off = machine.inputs.find(({ name }) => name === "axis_enable")?.values ?? {};
-  for (let axis = 0; axis < hello.axes; axis++)
-    if (off[axis] !== 0 && !((history.lights(axis >> 1, row) >> (6 + (axis & 1))) & 1))
-      causes.push(`axis ${axis} has no heartbeat`);
+  const beats = (axis) => (history.lights(axis >> 1, row) >> (6 + (axis & 1))) & 1;
+  const silent = [...Array(hello.axes).keys()].filter((axis) => off[axis] !== 0 && !beats(axis));
+  if (silent.length > 1 && silent.length === hello.axes) causes.push("no axis has a heartbeat");
+  else causes.push(...silent.map((axis) => `axis ${axis} has no heartbeat`));
   return causes;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The views at the right, one at a time. A view is {title, element, shown(), update(), draw()}: update with
-// the state, draw with the pictures.
+// Panes side by side: axis, scope, and the chosen one of the other views beside the scope; how wide they are
+// and which view is chosen outlive a reload. A view is {title, element, shown(), update(), draw()}: update
+// with the state, draw with the pictures.
 
-import { button } from "./dom.js";
+import { button, el } from "./dom.js";
 import { faults } from "./faults.js";
 import { front } from "./front.js";
 import { render } from "./html.js";
@@ -12,6 +13,32 @@ import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
 import { tuneView } from "./tune.js";
 import { wavesView } from "./waves.js";
+
+const LEAST = 20; // width of a pane, % of its room
+const BY_KEY = 2;
+
+/** A bar between two panes of a room, moved by pointer, touch or arrows; a double-click puts it back.
+ * name: of the custom property that is the width of what is before it, %. */
+function splitter(room, name, start) {
+  const bar = el("div", { className: "splitter own-keys", id: `splitter-${name}`, role: "separator",
+    tabIndex: 0, "aria-label": `width of the ${name}`, "aria-orientation": "vertical" });
+  let now = start;
+  const put = (percent) => {
+    now = Math.round(Math.max(LEAST, Math.min(100 - LEAST, percent)));
+    room.style.setProperty(`--${name}`, `${now}%`);
+    bar.setAttribute("aria-valuenow", now);
+    localStorage.setItem(name, now);
+  };
+  bar.addEventListener("pointerdown", ({ pointerId }) => bar.setPointerCapture(pointerId));
+  bar.addEventListener("pointermove", ({ pointerId, clientX }) => {
+    const { left, width } = room.getBoundingClientRect();
+    if (bar.hasPointerCapture(pointerId)) put((100 * (clientX - left)) / width);
+  });
+  bar.addEventListener("keydown", ({ key }) => put(now + ({ ArrowLeft: -BY_KEY, ArrowRight: BY_KEY }[key] ?? 0)));
+  bar.addEventListener("dblclick", () => put(start));
+  put(Number(localStorage.getItem(name)) || start);
+  return bar;
+}
 
 /** A view that is a function of the page; changes: the machine. */
 function view(page, title, of, changes = false) {
@@ -49,15 +76,19 @@ export function tabs(page) {
   views.forEach((view, n) => {
     view.open = () => show(n);
   });
+  const between = splitter(room, "scope", 50);
   const show = (chosen) => {
     views.forEach((view, n) => {
       buttons[n].setAttribute("aria-selected", String(n === chosen));
       buttons[n].tabIndex = n === chosen ? 0 : -1; // arrows go from tab to tab
-      view.visible = n === chosen;
+      view.visible = !n || n === chosen; // the scope always
     });
-    room.replaceChildren(views[chosen].element);
+    room.className = chosen ? "beside" : "";
+    room.replaceChildren(views[0].element, ...(chosen ? [between, views[chosen].element] : []));
     views[chosen].shown?.();
+    localStorage.setItem("view", chosen);
   };
-  show(0);
+  document.getElementById("side").before(splitter(document.querySelector("main"), "axis", 32));
+  show(Number(localStorage.getItem("view")) % views.length);
   return views;
 }

@@ -4,6 +4,9 @@
 import uPlot from "./lib/uplot/uPlot.esm.js";
 import { button, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
 
+const STEP_S = 0.6; // of a step, recorded
+const LONGEST_MS = 600_000; // that it may take on a slow computer
+
 export function tuneView(page) {
   const { machine, advice } = page;
   const named = el("b", { id: "tune-axis" });
@@ -111,7 +114,7 @@ export function tuneView(page) {
     const from = history.latest(chosen).setpoint;
     const start = history.now;
     if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
-    await until(() => history.now > start + 0.6);
+    await machine.seen(() => history.now > start + STEP_S, LONGEST_MS);
     const done = await machine.try(advice.request("judge", {
       ...stepRows(history, chosen, start, from, counts),
       ...motors.get(chosen), // without them: figures, and no verdict
@@ -187,16 +190,6 @@ export function tuneView(page) {
       "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
     progress, verdict, result, plots);  // prettier-ignore
   return { title: "Tune", element, shown: update, update, changes: true };
-
-  function until(done) {
-    return new Promise((resolve) => {
-      const timer = setInterval(() => {
-        if (!done()) return;
-        clearInterval(timer);
-        resolve();
-      }, 20);
-    });
-  }
 }
 
 function draw(room, unit, data, series, logarithmic = false) {

@@ -2,7 +2,7 @@
 // Waveforms of the milliseconds around a moment: VME, PC bus, card 0, from a machine that goes through
 // them again with its nets watched (web/engine/past.js; of a served machine, mmcs/tool/moment.py).
 
-import { button, el, labelled, parseNumber, perFrame, setText } from "./dom.js";
+import { button, el, gestures, labelled, parseNumber, perFrame, setText } from "./dom.js";
 import { duration, Waves } from "./wave_data.js";
 import { HEAD, layOut, WaveScreen } from "./wave_screen.js";
 
@@ -10,7 +10,6 @@ const HELP = "left and right: from change to change of the chosen net; with shif
   + "another net; + and -: zoom; 0: all of it; A and B: cursors; drag moves, the wheel zooms";  // prettier-ignore
 const ZOOM = 1.5;
 const LEAST_CLKS = 8;
-const CLICK_PX = 4;
 
 export function wavesView(page) {
   const view = new WavesView(page);
@@ -30,7 +29,6 @@ class WavesView {
     this.waves = null;
     this.hidden = new Set();
     this.marks = [null, null];
-    this.pointers = new Map();
     this.#build();
     this.redraw = perFrame(() => this.draw());
     new ResizeObserver(this.redraw).observe(this.sheet);
@@ -69,8 +67,10 @@ class WavesView {
     this.canvas.addEventListener("keydown", (event) => this.#key(event));
     this.canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     this.canvas.addEventListener("dblclick", () => this.all());
-    for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"])
-      this.canvas.addEventListener(type, (event) => this.#pointer(event));
+    const clock = (x) => this.screen.clock(x);
+    gestures(this.canvas, { takes: () => this.waves, tap: (x, y) => this.#click(x, y),
+      zoom: (factor, x) => this.zoom(factor, clock(x)),
+      pan: (was, x) => this.#look(this.view.from + clock(was) - clock(x), this.view.to - this.view.from) });
   }
 
   get #now() {
@@ -246,31 +246,7 @@ class WavesView {
     this.zoom(event.deltaY > 0 ? ZOOM : 1 / ZOOM, this.screen.clock(event.offsetX));
   }
 
-  /** A click sets the cursor and chooses a net; one finger moves, two zoom. */
-  #pointer(event) {
-    if (!this.waves) return;
-    const { type, pointerId: id, offsetX: x, offsetY: y } = event;
-    const was = this.pointers.get(id);
-    if (type === "pointerdown") {
-      this.canvas.setPointerCapture(id);
-      this.pointers.set(id, { x, y, began: x, moved: false });
-    } else if (type === "pointermove" && was) {
-      const others = [...this.pointers.entries()].filter(([other]) => other !== id);
-      const { from, to } = this.view;
-      if (others.length) {
-        const fixed = others[0][1].x;
-        const factor = Math.abs(was.x - fixed) / Math.max(1, Math.abs(x - fixed));
-        this.zoom(factor, this.screen.clock(fixed));
-      } else if (was.moved || Math.abs(x - was.began) > CLICK_PX) {
-        this.#look(from + this.screen.clock(was.x) - this.screen.clock(x), to - from);
-      }
-      this.pointers.set(id, { ...was, x, y, moved: was.moved || Math.abs(x - was.began) > CLICK_PX });
-    } else if (was) {
-      this.pointers.delete(id);
-      if (type === "pointerup" && !was.moved) this.#click(x, y);
-    }
-  }
-
+  /** Sets the cursor and chooses a net. */
   #click(x, y) {
     const row = this.laid.rows.find(({ net, top, height }) => net && y >= top && y < top + height);
     if (row) this.selected = row.net;

@@ -2,6 +2,7 @@
 // run.mmcs in a page: written so that `mmcs replay` makes the run again, and read (mmcs/runs/record.py).
 
 const LONGEST_S = 3600;
+const LONGEST_BYTES = 100_000; // of a record in an address
 // What a record may say of a scenario otherwise than the site's own file: the rest is Python's work.
 const OWN = ["seed", "duration", "event", "call", "expect", "description"];
 
@@ -28,6 +29,26 @@ export function makeRecord(session, log, hash, version) {
     files: setup.files,
     checkpoints: sim.checkpoints(),
   };
+}
+
+const through = (parts, stream) => new Response(new Blob(parts).stream().pipeThrough(stream));
+
+/** A record's text as letters of an address. Rejects with one sentence. */
+export async function pack(text) {
+  const bytes = new Uint8Array(await through([text], new CompressionStream("deflate")).arrayBuffer());
+  if (bytes.length > LONGEST_BYTES) throw new Error("this is too long for an address; replay it with mmcs replay");
+  const letters = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
+  return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}
+
+/** And back. Rejects with one sentence. */
+export async function unpack(letters) {
+  try {
+    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    return await through([bytes], new DecompressionStream("deflate")).text();
+  } catch {
+    throw new Error("address: its record is damaged");
+  }
 }
 
 /** The record that a text is. Throws one sentence. */

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts what the tests measured and photographed into the manual: `make tool-test WRITE=1`."""
+"""Puts what the tests measured and photographed into the manual: `make tool-test WRITE=1`;
+`make pictures` takes the screenshots anew first."""
 
 import json
 import shutil
+import subprocess
+import sys
 
 from bench import PICTURES
 
@@ -29,6 +32,10 @@ def tables() -> dict[str, str]:
 
 
 def main() -> None:
+    if sys.argv[1:] == ["anew"]:
+        tests = [sys.executable, "-m", "pytest", "-m", "pictures", "web/tests"]
+        if subprocess.run(tests, cwd=ROOT, check=False).returncode:
+            raise SystemExit("pictures: a test failed, see above; the manual is as it was")
     found = tables()
     for page in PAGES:
         for name, table in found.items():

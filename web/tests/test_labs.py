@@ -39,6 +39,7 @@ def check(desk) -> str:
 
 
 @pytest.mark.req("TOOL-1")
+@pytest.mark.pictures
 def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     ensure_library(1, "speed")  # the page would wait for it, too, but not the test
     page = desk.page

@@ -88,6 +88,10 @@ def test_gains_in_percent_and_every_parameter_by_number(desk):
     param = desk.param(1)
     assert (param["a0"] + param["a1"]) / param["b0"] == pytest.approx(40, rel=0.01)
     assert -param["a1"] / param["b0"] * 0.002 == pytest.approx(0.205, rel=0.01)
+    enter(page, '[id="axis1-P gain"]', "1,234")  # refused: it leaves itself and the others
+    desk.eventually(lambda: "no gain" in page.inner_text("#said"))
+    desk.eventually(lambda: page.input_value('[id="axis1-P gain"]') == "4000")
+    assert desk.param(1) == param
     page.click("#axis1-panel summary")
     for name, value in (("ilim", 500), ("plo", -7000), ("clkdivisor", 2), ("ic_neg", 33)):
         enter(page, f"#axis1-{name}", str(value))
@@ -130,16 +134,24 @@ def test_diag_puts_out_codes_and_test1_has_the_amplitude_of_ilim(desk):
     assert desk.page.evaluate(f"() => Math.max(...{CURRENTS}.map(Math.abs))") == 60
 
 
-def test_a_monitor_writes_nothing_and_cannot(browser, desk):
-    other = desk.open()
-    assert other.is_disabled("#enable")
-    assert other.is_disabled("#axis0-mode [value=off]")
-    assert "Controlled by another" in other.inner_text("#control")
-    choose(desk, "mode", "torq", lambda mode: mode == TORQ)
-    assert other.errors == []
-    other.close()
-    desk.eventually(lambda: len(desk.link.request("clients")["clients"]) == 2)
-    assert desk.param(0)["mode"] == TORQ  # the monitor's end stops nobody
+def test_a_joint_dragged_by_hand_is_chosen_and_its_setpoint_follows(desk):
+    page = desk.page
+    choose(desk, "mode", "pos", lambda mode: mode == POS, 2)
+    desk.choose(0)
+    desk.until("() => mctool.page.arm.seen.some(({ joint }) => joint === 2)")
+    x, y = page.evaluate("""() => {
+      const { arm } = mctool.page;
+      const { from, to } = arm.seen.findLast(({ joint }) => joint === 2);
+      const { left, top } = arm.element.getBoundingClientRect();
+      return [left + (from.x + 3 * to.x) / 4, top + (from.y + 3 * to.y) / 4];
+    }""")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 20, y)
+    page.mouse.up()
+    assert page.evaluate("() => mctool.page.axis") == 2
+    desk.until("() => mctool.machine.history.latest(2).setpoint > 500")
+    assert [desk.latest(n)["setpoint"] for n in (0, 1, 3, 4, 5)] == [0] * 5
 
 
 def test_everything_by_keyboard(desk):
@@ -175,6 +187,7 @@ def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     desk.page = desk.open()
 
 
+@pytest.mark.pictures
 def test_pictures_for_the_manual(desk):
     page = desk.page
     enable(page)

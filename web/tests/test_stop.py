@@ -140,7 +140,7 @@ def test_a_page_without_its_stop_frame_takes_no_control(desk):
     other = new_page(desk.browser)
     other.goto(address)
     other.wait_for_function(
-        "() => document.getElementById('cause').textContent.startsWith('No STOP')"
+        "() => document.getElementById('cause')?.textContent.startsWith('No STOP')"
     )
     other.click("#control")
     other.wait_for_function(

@@ -81,6 +81,61 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     desk.until("() => document.querySelector('.channels').textContent.includes('saved.mcap')")
 
 
+def test_fingers_carry_and_stretch_the_scope(desk):
+    page = desk.page
+    touch = page.context.new_cdp_session(page)
+    box = page.locator(".screen").bounding_box()
+    view = "() => mctool.page.scope.view()"
+
+    def fingers(kind: str, *xs: float) -> None:
+        points = [{"x": box["x"] + x * box["width"], "y": box["y"] + 60, "id": n}
+                  for n, x in enumerate(xs)]  # fmt: skip
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    page.click("#scope-run")  # holds
+    before = page.evaluate(view)
+    for kind, xs in (
+        ("touchStart", [0.4]),
+        ("touchMove", [0.5]),
+        ("touchMove", [0.7]),
+        ("touchEnd", []),
+    ):
+        fingers(kind, *xs)
+    desk.until(f"before => ({view})()[1] < before - 0.2", before[1])
+    panned = page.evaluate(view)
+    assert panned[1] - panned[0] == pytest.approx(before[1] - before[0])
+    for kind, xs in (("touchStart", [0.4, 0.6]), ("touchMove", [0.3, 0.7]), ("touchEnd", [])):
+        fingers(kind, *xs)
+    desk.until(
+        f"wide => {{ const [a, b] = ({view})(); return b - a < 0.7 * wide }}", panned[1] - panned[0]
+    )
+
+
+def test_panes_stand_side_by_side_as_a_person_left_them(desk):
+    """The scope is in sight beside every other view; bars between panes move by mouse and keys."""
+    page = desk.page
+    wide = "(s) => document.querySelector(s).getBoundingClientRect().width"
+    alone = page.evaluate(wide, ".scope")
+    page.click("#tab-registers")
+    scope, other = page.evaluate(wide, ".scope"), page.evaluate(wide, ".registers")
+    assert 0.4 * alone < scope < 0.6 * alone and 0.4 * alone < other < 0.6 * alone
+    box = page.locator("#splitter-scope").bounding_box()
+    page.mouse.move(box["x"] + 3, box["y"] + 50)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 3 + 0.2 * alone, box["y"] + 60)
+    page.mouse.up()
+    assert page.evaluate(wide, ".scope") == pytest.approx(scope + 0.2 * alone, abs=0.02 * alone)
+    axis = page.evaluate(wide, "#axis")
+    page.focus("#splitter-axis")
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate(wide, "#axis") < axis
+    assert desk.latest(0)["setpoint"] == 0  # nothing was nudged
+    left = [page.evaluate(wide, one) for one in ("#axis", ".scope", ".registers")]
+    page.reload()
+    page.wait_for_selector("body.ready")
+    assert left == [page.evaluate(wide, one) for one in ("#axis", ".scope", ".registers")]
+
+
 def test_a_fault_from_the_menu_is_told_and_healed(desk):
     page = desk.page
     page.click("#tab-faults")
@@ -96,10 +151,12 @@ def test_a_fault_from_the_menu_is_told_and_healed(desk):
     desk.until("() => document.querySelector('.faults ul').textContent === 'nothing'")
     page.get_by_text("Reset the bus").click()  # for visitors: after it no sample comes
     page.click("#tab-log")
-    desk.until("() => document.querySelector('.log li')?.textContent.includes('sysreset')")
+    lines = "[...document.querySelectorAll('.log li')].map((e) => e.textContent)"
+    desk.until(f"() => {lines}.some((text) => text.includes('sysreset'))")
+    times = page.evaluate(f"() => {lines}.map(parseFloat)")
+    assert times == sorted(times, reverse=True)
     page.fill("#log-filter", "lease")
-    lines = "[...document.querySelectorAll('.log li')]"
-    desk.until(f"() => {lines}.every((e) => /lease/.test(e.textContent))")
+    desk.until(f"() => {lines}.every((text) => text.includes('lease'))")
     desk.eventually(lambda: "sysreset" in page.inner_text("#cause"))
     page.click("#go-before")
     desk.eventually(lambda: "sysreset" not in page.inner_text("#cause"))

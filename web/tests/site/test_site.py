@@ -89,6 +89,10 @@ def test_a_record_of_the_page_replays_natively_with_what_a_person_did(opened, tm
     ]
     assert record.data["event"][-1]["input"] == "pot_noise"
     assert replay(record) == (hash_, None, "")
+    page.click("#permalink")
+    page.wait_for_url("**#record=*")
+    assert len(page.url) < 10_000
+    assert finished(opened(page.url.partition("/web/")[2])) == hash_
     header, first = saved(page, tmp_path, "log").read_text().splitlines()[:2]
     assert header.startswith("t_s,setpoint_0,encoder_0") and first.startswith("0.")
 
@@ -198,6 +202,7 @@ def test_a_minute_of_motion_without_an_exception_and_without_growth(opened):
     assert page.evaluate("() => mctool.machine.enabled")
 
 
+@pytest.mark.pictures
 def test_a_telephone_can_be_used(opened):
     page = opened(
         "?scenario=puma560", viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
@@ -215,6 +220,7 @@ def test_a_telephone_can_be_used(opened):
     page.wait_for_function("() => !mctool.machine.enabled")
 
 
+@pytest.mark.pictures
 def test_the_first_motion_comes_soon(opened):
     began = time.monotonic()
     page = opened("?scenario=puma560")

@@ -87,6 +87,7 @@ def test_the_past_is_made_again_to_the_bit_whatever_was_done(name, steps):
 
 
 @pytest.mark.req("TOOL-1")
+@pytest.mark.pictures
 def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     page = opened("?scenario=puma560&deadman=240000")  # starved, it is silent for long
     page.wait_for_function("() => document.body.dataset.hash")
