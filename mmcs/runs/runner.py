@@ -108,7 +108,9 @@ def run_program(setup: Setup, command: list[str], folder: Path) -> int:
     own = {"motion", "call", "process", "servo"}
     dropped = own | ({"expect"} if setup.scenario.motion or setup.scenario.process else set())
     data = {key: value for key, value in setup.data.items() if key not in dropped}
-    data |= {"program": [{"run": absolute(shlex.join(command), Path.cwd())}], "duration": LONGEST_S}
+    words = shlex.join(command)
+    data |= {"program": [{"run": absolute(words, Path.cwd())}], "duration": LONGEST_S}
+    data |= {"description": f"the program {words}"}
     made = setup_of(setup.path, inline(data, setup.path.parent), setup.files)
     good = run_scenario(made, folder, carry_out=carry_out, stderr=True)
     return statuses[0] or int(not good)

@@ -149,9 +149,9 @@ def test_that_command_where_pipx_or_uv_made_the_environment(monkeypatch, tmp_pat
     monkeypatch.setattr(place, "IN_CHECKOUT", False)
     monkeypatch.setattr(place, "find_spec", lambda name: None)  # uv's have no pip
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
-    assert place.installs("study") == f"uv pip install --python {sys.executable} pandas"
+    assert place.installs("dask") == f"uv pip install --python {sys.executable} distributed"
     (tmp_path / "pipx_metadata.json").touch()
-    assert place.installs("study") == "pipx inject mmcs pandas"
+    assert place.installs("dask") == "pipx inject mmcs distributed"
 
 
 @pytest.mark.parametrize("command, extra", [

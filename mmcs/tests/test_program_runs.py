@@ -75,6 +75,7 @@ def test_exec_leaves_results(folder):
     good(call(*words, sys.executable, folder / "step.py", 200))
     record = json.loads((out / "run.mmcs").read_text())
     assert record["seed"] == 3 and 0.4 < record["data"]["duration"] < 1.0
+    assert "step.py 200" in record["data"]["description"], "the scenario's own motion is not there"
     good(call("replay", out))
     assert call(*words, sys.executable, "-c", "raise SystemExit(7)")[0] == 7
 
