@@ -6,7 +6,6 @@
 // Drawn on a plain canvas: a picture costs a millisecond, and none is drawn while nothing moves.
 
 import { el } from "./dom.js";
-import { MODE_MASK, MODES } from "./params.js";
 
 const TUBE_M = 0.05;
 const FLOOR_M = -0.67; // a PUMA's shoulder stands so high above it
@@ -14,6 +13,7 @@ const MIDDLE_M = 0.15; // what the eye looks at
 const MOST_ABOVE = 1.5;
 const HAND = [[0, 0, 0.09], [0.04, 0, 0.09], [0.04, 0, 0.15], [0.04, 0, 0.09], [-0.04, 0, 0.09], [-0.04, 0, 0.15]]; // m
 const NEAR_PX = 14; // of a link's line, where it is taken by hand
+const WITHIN = 0.85; // of half the picture: the rest is for the thickness of tubes
 const BY_PX = Math.PI / 400; // rad that a joint turns for a pixel
 
 const multiply = (a, b) =>
@@ -118,7 +118,7 @@ export class Arm {
     const { joint, x: began, setpoint } = this.#dragged;
     const axis = page.axes[joint];
     if (!page.machine.controls || page.past) return;
-    if ((axis.param.mode & MODE_MASK) !== MODES.pos) {
+    if (axis.mode !== "pos") {
       page.machine.say("help", `axis ${joint}: a joint follows the hand in Pos`);
       this.#dragged = null;
       return;
@@ -170,7 +170,7 @@ export class Arm {
       return { x: width / 2 + right * scale, y: height / 2 - up * scale, scale, depth };
     };
     const out = places.map(see).map(({ x, y }) => Math.max(Math.abs((2 * x) / width - 1), Math.abs((2 * y) / height - 1)));
-    zoom *= Math.min(1, 0.95 / Math.max(...out));
+    zoom *= Math.min(1, WITHIN / Math.max(...out));
     return see;
   }
 

@@ -10,7 +10,6 @@ import { askedNumber, button, choice, download, el, labelled, parseInteger, setT
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { pack, readRecord, setupOf, unpack } from "./engine/record.js";
-import { MODE_MASK, MODES } from "./params.js";
 
 const FIRST = "puma560";
 const FASTEST = 1000;
@@ -124,18 +123,19 @@ async function save({ record: made, csv, wanted }) {
 // --- start ---
 
 /** A motion that is over repeats, between where it ended and began, until the page's first input. */
-function repeatMotion({ machine }) {
+function repeatMotion(page) {
+  const { machine } = page;
   let began = null; // s
   let last = [];
   let asks = false;
   const again = async () => {
-    const { history, driver, enabled, controls } = machine;
-    if (asks || !document.body.dataset.hash || !enabled || !controls) return;
-    if (driver.params.some((param) => param && (param.mode & MODE_MASK) !== MODES.pos)) return;
-    if (began === null) [began, last] = [history.now, driver.params.map((_, n) => machine.setpoint(n))];
+    const { history, enabled, controls } = machine;
+    const axes = page.axes.filter(({ param }) => param);
+    if (asks || !document.body.dataset.hash || !enabled || !controls || axes.some(({ mode }) => mode !== "pos")) return;
+    if (began === null) [began, last] = [history.now, axes.map(({ setpoint }) => setpoint)];
     const share = (1 - Math.cos((2 * Math.PI * (history.now - began)) / TO_AND_FRO_S)) / 2;
     asks = true;
-    await machine.try(machine.link.request("write", { setpoints: last.map((to) => Math.round(to * (1 - share))) }));
+    await machine.try(Promise.all(axes.map((axis, n) => axis.setSetpoint(Math.round(last[n] * (1 - share))))));
     asks = false;
   };
   machine.addEventListener("samples", again);

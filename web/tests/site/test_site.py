@@ -236,6 +236,20 @@ def test_the_first_motion_comes_soon(opened):
     picture(page, "web")
 
 
+def test_a_motion_repeats_until_the_first_input(opened):
+    page = opened("?scenario=lab500&deadman=240000")
+    finished(page)
+    setpoint = "mctool.machine.setpoint(0)"
+    for _ in range(2):
+        last = page.evaluate(f"() => {setpoint}")
+        page.wait_for_function(f"last => Math.abs({setpoint} - last) > 20", arg=last)
+    page.keyboard.press("Tab")
+    page.wait_for_timeout(500)  # what was asked for before has come
+    last, t = page.evaluate(f"() => [{setpoint}, mctool.machine.history.now]")
+    page.wait_for_function("t => mctool.machine.history.now > t + 1", arg=t)
+    assert page.evaluate(f"() => {setpoint}") == last
+
+
 def test_the_lab_sheets_are_there_and_checking_names_the_command(opened):
     page = opened("?scenario=lab500&plays=0")
     page.click("#tab-labs")
