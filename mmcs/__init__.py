@@ -26,7 +26,6 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.device.link import Link as Link
     from mmcs.engine import hosts as hosts
     from mmcs.engine.build import ensure_library as ensure_library
-    from mmcs.engine.build import library_path as library_path
     from mmcs.engine.build import make_env as make_env
     from mmcs.engine.sim import Sim as Sim
     from mmcs.engine.sim import make_ffi as make_ffi
@@ -43,7 +42,6 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.front import sweep as sweep
     from mmcs.logcols import column as column
     from mmcs.runs import expect_plant as expect_plant
-    from mmcs.runs.expect import judge as judge
     from mmcs.runs.expect_plant import calibrate as calibrate
     from mmcs.runs.expect_plant import index_counts as index_counts
     from mmcs.runs.expect_plant import moved_deg as moved_deg
@@ -65,7 +63,6 @@ if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded w
     from mmcs.runs.runner import simulate as simulate
     from mmcs.runs.session import Session as Session
     from mmcs.scenario import arm as arm
-    from mmcs.scenario import synthesis as synthesis
     from mmcs.scenario.describe import lacking_gains as lacking_gains
     from mmcs.scenario.describe import robot_cautions as robot_cautions
     from mmcs.scenario.files import FAULTS as FAULTS

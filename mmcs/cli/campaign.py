@@ -21,8 +21,7 @@ from mmcs.screen import echo
 @click.option("--seed", type=int, default=1, metavar="S", help="Seed of the faults; 1.")
 @click.option("--sort", "sorts", metavar="A,B", help="register, line, pin, message, kill; all.")
 @many_runs("campaign")
-@click.option("--show", type=int, metavar="N", help="Only tell of fault N, and how to make it.")
-def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resume, show) -> None:
+def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resume) -> None:
     """Inject random faults, one in each run, and classify them. Status 0 done, 2 bad input.
 
     Fault N is the same in every campaign of the same seed, motions and sorts.
@@ -34,11 +33,9 @@ def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resum
 
     if not 1 <= count <= MAX_RUNS:
         raise InputError.one("--faults", "", count, f"must be 1 to {MAX_RUNS}")
-    if show is not None and not 0 <= show < MAX_RUNS:
-        raise InputError.one("--show", "", show, f"must be 0 to {MAX_RUNS - 1}")
     check_workers(workers, dask)
     if stops:
-        if dask or resume or sorts or show is not None:
+        if dask or resume or sorts:
             allowed = "goes with scenarios, a robot, --set, --workers and --out alone"
             raise InputError.one("--stops", "", None, allowed)
         sys.exit(_stops(motions, sets, workers or cores(), out))
@@ -46,9 +43,6 @@ def campaign(motions, count, stops, seed, sorts, sets, workers, dask, out, resum
     plan = make_plan(motions, chosen, seed, sets)
     for setup in plan.setups.values():
         Twin(setup).close()
-    if show is not None:
-        _show(plan, show)
-        return
     first = plan.setups[plan.names[0]]
     own = (setup.path for setup in plan.setups.values() if SCENARIOS not in setup.path.parents)
     named = "-".join(Path(motion).stem for motion in motions) or "all"
@@ -83,16 +77,6 @@ def _stops(words, sets, workers: int, out: Path | None) -> int:
         part.write_text(table)
     echo(table)
     return ended(screen(), folder, REPORT, "", False)
-
-
-def _show(plan, n: int) -> None:
-    from mmcs.sweeps.campaign import run_fault, twin_of
-    from mmcs.sweeps.campaign_report import told_of
-
-    fault = plan.fault(n)
-    row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
-    echo(f"fault {n}: {row['class']}, {told_of(row)}")
-    echo(plan.command(n))
 
 
 def _run(plan, store, client, workers: int, count: int) -> bool:

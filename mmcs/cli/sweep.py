@@ -62,27 +62,23 @@ def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str):
 @click.option("--random", "drawn", multiple=True, metavar="KEY=A..B[:log]|V1,V2", help="Drawn.")
 @click.option("--samples", type=int, metavar="N", help="Draws of --random; 100 if not said.")
 @click.option("--seed", type=int, default=1, metavar="S", help="Seed of the draws; 1.")
-@click.option("--duration", type=float, metavar="S", help="Seconds of motion.")
-@click.option("--by", default="rms_error_counts", metavar="FIGURE", help="What ranks the runs.")
 @many_runs("sweep")
-def sweep(scenario, grid, drawn, samples, seed, duration, sets, by, workers, dask, out, resume):
+def sweep(scenario, grid, drawn, samples, seed, sets, workers, dask, out, resume):
     """Run a scenario over many values: status 0 all met, 1 some missed or failed, 2 bad input.
 
     --grid combines all values of all grids; --random draws, the same draws at every grid point.
     """
     from mmcs.sweeps.plan import make_plan
-    from mmcs.sweeps.store import check_figure
     from mmcs.sweeps.workers import cores, failed, run_row
 
     check_workers(workers, dask)
-    plan = make_plan(scenario, grid, drawn, samples, seed, sets, duration)
+    plan = make_plan(scenario, grid, drawn, samples, seed, sets)
     first = plan.first()
-    check_figure(by, first.axes)
     folder = out or results("sweeps", plan.path) / first.name
     with kept(folder, plan, first, resume, dask, "sweep") as (store, client):
         tasks = plan.tasks(store.rows, lambda n, why: store.add(n, failed(why)))
         whole = carry_out(store, len(plan), tasks, client, workers or cores(), run_row) is not None
-    sys.exit(_finish(plan, store.rows, folder, by, whole))
+    sys.exit(_finish(plan, store.rows, folder, whole))
 
 
 def carry_out(store, total: int, tasks, client, workers: int, work, what: str = "runs",
@@ -139,7 +135,7 @@ def progress(total: int, store, what: str):
         yield lambda: tell(len(store.rows), f"{store.bad} missed or failed" if store.bad else "")
 
 
-def _finish(plan, rows: dict, folder: Path, by: str, whole: bool) -> int:
+def _finish(plan, rows: dict, folder: Path, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
     from mmcs.sweeps.store import TABLE, print_summary, write_table
 
@@ -147,7 +143,7 @@ def _finish(plan, rows: dict, folder: Path, by: str, whole: bool) -> int:
     rows = {n: rows[n] for n in sorted(rows) if n < len(plan)}
     if rows:
         write_table(folder, plan, rows)
-        print_summary(plan, rows, by, console)
+        print_summary(plan, rows, console)
     missed = sum(row["status"] == "missed" for row in rows.values())
     lost = sum(row["status"] == "failed" for row in rows.values())
     if missed or lost:

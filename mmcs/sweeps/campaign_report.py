@@ -113,12 +113,6 @@ def told(rows: list[dict]) -> str:
     )
 
 
-def told_of(row: dict) -> str:
-    """Of one fault, run to the end."""
-    after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"
-    return f"off by {row['off']:g} counts{after}; hash {row['hash']}"
-
-
 def examples(plan, rows: dict[int, dict]) -> list[str]:
     """Commands that make faults of each class again, and the hash that they must find."""
     from mmcs.sweeps.campaign import run_fault, twin_of
@@ -129,11 +123,9 @@ def examples(plan, rows: dict[int, dict]) -> list[str]:
         for n in own[:2]:
             fault, what = plan.fault(n), line_name(plan.fault(n).what)
             row = run_fault(twin_of(plan.setups[fault.motion]), fault, whole=True)
-            lines += [
-                f"* **{name}**: fault {n}, `{what}`, {told_of(row)}",
-                "",
-                f"  `{plan.command(n)}`",
-            ]
+            after = "" if row["after_ms"] is None else f", {row['by']} after {row['after_ms']:g} ms"
+            found = f"off by {row['off']:g} counts{after}; hash {row['hash']}"
+            lines += [f"* **{name}**: fault {n}, `{what}`, {found}", "", f"  `{plan.command(n)}`"]
     return lines
 
 

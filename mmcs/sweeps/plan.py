@@ -263,7 +263,6 @@ def make_plan(
     samples: int | None,
     seed: int,
     sets: tuple[str, ...] = (),
-    duration: float | None = None,
 ) -> Plan:
     """The checked plan; every mistake that can be known beforehand raises InputError."""
     if not grid and not drawn:
@@ -273,7 +272,6 @@ def make_plan(
         raise InputError.one("--samples", "", samples, "needs --random: what is drawn")
     if samples is not None and samples < 1:
         raise InputError.one("--samples", "", samples, "must be at least 1")
-    sets = (*sets, *([f"duration={duration!r}"] if duration is not None else []))
     path = find(name)
     data = {"skip": True} | read_scenario(path)[0]  # the same results, sooner
     for item in sets:

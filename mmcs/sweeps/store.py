@@ -129,29 +129,7 @@ def write_table(folder: Path, plan: Plan, rows: dict[int, dict]) -> None:
 # --- summary -----------------------------------------------------------------------------------
 
 
-def check_figure(by: str, axes: int) -> None:
-    from mmcs.errors import suggest
-    from mmcs.sweeps.workers import STATS, WORST
-
-    single = [f"{name}_{axis}" for axis in range(axes) for name in WORST]
-    if by not in [*WORST, *STATS, "unmet", "events", *single]:
-        hint = suggest(by, [*WORST, *STATS, *single]) or "; there are: " + ", ".join(WORST)
-        raise InputError.one("--by", "", by, f"no such figure{hint}")
-
-
-def ranked(rows: dict[int, dict], by: str) -> list[int]:
-    """Row numbers, the best first: expectations, then the figure; None is worse than any."""
-
-    def rank(n: int):
-        row = rows[n]
-        value = row.get(by)
-        bad = math.inf if row["status"] == "failed" else row["unmet"]
-        return bad, math.inf if value is None else abs(value), n
-
-    return sorted(rows, key=rank)
-
-
-def print_summary(plan: Plan, rows: dict[int, dict], by: str, console) -> None:
+def print_summary(plan: Plan, rows: dict[int, dict], console) -> None:
     from rich.table import Table
     from rich.text import Text
 
@@ -163,33 +141,17 @@ def print_summary(plan: Plan, rows: dict[int, dict], by: str, console) -> None:
     for heading in ("least", "median", "95 %", "most"):
         figures.add_column(heading, justify="right")
     ran = [row for row in rows.values() if row["status"] != "failed"]
-    for name in dict.fromkeys([*WORST, by]):
+    for name in WORST:
         values = sorted(abs(row[name]) for row in ran if row.get(name) is not None)
         if values:
             high = values[min(len(values) - 1, math.ceil(0.95 * len(values)) - 1)]
             cells = (values[0], statistics.median_low(values), high, values[-1])
             figures.add_row(name, *("never" if v == math.inf else f"{v:.4g}" for v in cells))
     console.print(figures)
-    order = ranked(rows, by)
-    some = Table(title=Text(f"best and worst by {by}", "table.title"), title_justify="left")
-    for heading in ("", "run", *plan.keys, by, "unmet", "why"):
-        some.add_column(heading, justify="right" if heading in ("run", by, "unmet") else "left")
-    best = order[:3]
-    worst = [n for n in reversed(order) if n not in best][:3]
-    for label, numbers in (("best", best), ("worst", worst)):
-        for place, n in enumerate(numbers):
-            row, values = rows[n], plan.values(n).values()
-            cells = [_number(v) for v in values] + [_number(row.get(by)), _number(row["unmet"])]
-            texts = ["" if place else label, str(n), *cells, row["why"][:60]]
-            some.add_row(*(Text(one_line(t)) for t in texts))
-    console.print(some)
-    if worst:
-        console.print(f"the worst again: {plan.command(worst[0])}")
+    console.print(f"the worst again: {plan.command(max(rows, key=lambda n: _rank(rows[n])))}")
 
 
-def _number(value: object) -> str:
-    if value is None:
-        return "-"
-    if value == math.inf:
-        return "never"
-    return f"{value:.6g}" if isinstance(value, float) else show(value).strip('"')
+def _rank(row: dict) -> tuple[float, float]:
+    """The higher, the worse: by expectations, then by the rms error; none is worse than any."""
+    bad, error = row["unmet"], row.get("rms_error_counts")
+    return math.inf if bad is None else bad, math.inf if error is None else error

@@ -424,7 +424,6 @@ TOLD = {
     "campaign user_loop": "a campaign wants a motion without events, processes and programs",
     "campaign --workers 0": "must be 1 to 256",
     "campaign --workers 1 --dask tcp://x": "not with --dask",
-    "campaign --show -1": "must be 0 to 999999",
     "campaign arm_calibrate --set axis.all.ilimax=20": "stops by itself 0.044 s after it",
     "campaign --resume --out /nowhere": "holds no campaign to go on with",
     "campaign --stops": "wants a robot, or scenarios",
