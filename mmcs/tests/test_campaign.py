@@ -38,9 +38,9 @@ def rows(plan):
     return [run_fault(twin_of(plan.setups[f.motion]), f) for f in map(plan.fault, range(SIZE))]
 
 
-def one(plan, motion, event=None, call=None):
-    entry = event or call
-    fault = Fault(0, motion, "pin", "test", entry["at"], event=event, call=call)
+def one(plan, motion, entry):
+    kind = "call" if "request" in entry else "event"
+    fault = Fault(0, motion, "pin", "test", entry["at"], **{kind: entry})
     return run_fault(twin_of(plan.setups[motion]), fault)
 
 
@@ -84,20 +84,17 @@ KNOWN = [
     ("arm_move", {"at": 0.1, "input": "writes_lost", "value": 1000}, DANGEROUS),
     ("arm_move", {"at": 0.1, "input": "pc_d_stuck1", "value": 64}, DANGEROUS),
     ("puma560_hold", {"at": 0.1, "input": "amp_dead", "index": 1, "value": 1}, DANGEROUS),
+    ("arm_move", {"at": 0.1, "request": "MSETPARAM", "axis": [3], "set": {"ic_pos": 2000}},
+     DANGEROUS),
+    ("arm_move", {"at": 0.1, "request": "MZEROSTATS"}, HARMLESS),
 ]  # fmt: skip
 
 
 @pytest.mark.req("SW-1")
-@pytest.mark.parametrize(("motion", "event", "name"), KNOWN)
-def test_known_faults_get_their_class(plan, motion, event, name):
-    row = one(plan, motion, event)
+@pytest.mark.parametrize(("motion", "entry", "name"), KNOWN)
+def test_known_faults_get_their_class(plan, motion, entry, name):
+    row = one(plan, motion, entry)
     assert row["class"] == name, row
-
-
-def test_message_that_nobody_meant(plan):
-    wrong = {"at": 0.1, "request": "MSETPARAM", "axis": [3], "set": {"ic_pos": 2000}}
-    assert one(plan, "arm_move", call=wrong)["class"] == DANGEROUS
-    assert one(plan, "arm_move", call={"at": 0.1, "request": "MZEROSTATS"})["class"] == HARMLESS
 
 
 def test_detection_is_told_with_its_time_and_its_means(plan):
@@ -236,11 +233,6 @@ def test_motions_take_turns():
     for done in range(1, len(order)):
         each = Counter(n % 3 for numbers in order[:done] for n in numbers)
         assert max(each.values()) - min(each[m] for m in range(3)) <= CHUNK
-
-
-def test_show_tells_of_one_fault(mmcs, plan):
-    out = good(mmcs("campaign", "arm_move", "puma560_hold", "--show", 3))
-    assert plan.command(3) in out and out.startswith("fault 3: ")
 
 
 # --- what is drawn -----------------------------------------------------------------------------

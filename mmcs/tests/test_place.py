@@ -44,33 +44,27 @@ def test_a_checkout_that_cannot_be_written_builds_in_the_cache(tmp_path):
     assert read_only(tmp_path).returncode == 0  # a second time
 
 
-@pytest.mark.parametrize("mode", [0o770, 0o777])
-def test_a_cache_that_others_may_write_is_refused(tmp_path, mode):
-    """A Makefile that somebody else put there would run as this user."""
+@pytest.mark.parametrize("mode, use", [
+    (0o770, "place.workshop()"), (0o777, "place.workshop()"),
+    (0o777, "from mmcs.device.libraries import preload_library as use; use()"),
+    (0o777, "from mmcs.engine.build import ensure_library as use; use(1, 'speed')"),
+    (0o777, "from mmcs.engine.hosts import make as use; use('firmware/Makefile', 'm68020')"),
+])  # fmt: skip
+def test_a_cache_that_others_may_write_is_refused(tmp_path, mode, use):
+    """A Makefile that somebody else put there would run as this user; a lock of his could be a link
+    to a file of this user, which opening it would empty."""
     (tmp_path / "mmcs").mkdir()
     (tmp_path / "mmcs").chmod(mode)
-    done = read_only(tmp_path)
-    assert done.returncode == 1 and "another user may write there" in done.stderr
-    assert "set XDG_CACHE_HOME to a folder of your own" in done.stderr
-    assert not any(path.is_symlink() for path in tmp_path.rglob("*"))
-
-
-@pytest.mark.parametrize("use", [
-    "from mmcs.device.libraries import preload_library as use; use()",
-    "from mmcs.engine.build import ensure_library as use; use(1, 'speed')",
-    "from mmcs.engine.hosts import make as use; use('firmware/Makefile', 'm68020')",
-])  # fmt: skip
-def test_nothing_of_a_cache_that_others_may_write_is_used(tmp_path, use):
-    """A lock of his could be a link to a file of this user, which opening it would empty."""
-    (tmp_path / "mmcs").mkdir()
-    (tmp_path / "mmcs").chmod(0o777)
     build, mine = Path(read_only(tmp_path).stdout.split()[0]) / "build", tmp_path / "mine"
     (build / "sim").mkdir(parents=True)
     mine.write_text("mine")
-    for lock in ("sim/build.lock", "firmware.lock"):
-        (build / lock).symlink_to(mine)
+    locks = [build / lock for lock in ("sim/build.lock", "firmware.lock")]
+    for lock in locks:
+        lock.symlink_to(mine)
     done = read_only(tmp_path, READ_ONLY.replace("place.workshop()", use))
     assert done.returncode == 1 and "another user may write there" in done.stderr
+    assert "set XDG_CACHE_HOME to a folder of your own" in done.stderr
+    assert {path for path in tmp_path.rglob("*") if path.is_symlink()} == set(locks)
     assert mine.read_text() == "mine"
 
 

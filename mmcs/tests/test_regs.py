@@ -5,12 +5,9 @@ Everything else, RTL, firmware and tests alike, takes the map from rtl/regs/mmcs
 would be a slip everywhere.
 """
 
-import sys
-
 import pytest
 
 from mmcs import regs
-from tools.compiled import ran
 
 pytestmark = pytest.mark.req("MAP-1")
 
@@ -56,8 +53,3 @@ def test_nothing_else_is_on_the_map():
 def test_a_card_answers_to_its_number():
     assert regs.card_offset(0, 0) == 0x001
     assert regs.card_offset(15, 0x12) == 0x3C0 | 0x12 << 1 | 1
-
-
-def test_what_is_generated_is_fresh():
-    done = ran(sys.executable, "rtl/regs/generate.py", "--check")
-    assert done.returncode == 0, done.stderr

@@ -2,7 +2,7 @@
 """Every ready scenario meets its own expectations.
 
 Run in the build that skips idle clocks; its runs are those of the plain build to the bit, which
-test_skipping_changes_nothing shows on two of them.
+sim/tests/engine and studies/lockstep.py show.
 """
 
 import pytest
@@ -74,15 +74,6 @@ def test_scenario(name):
         check_witnesses(result)
     assert report["expect"], "a scenario that expects nothing shows nothing"
     assert failures(report) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["puma560_calibrate_30", "fault_estop"])
-def test_skipping_changes_nothing(name):
-    skipped, _ = carry_out(name)
-    plain = simulate(load(name, ("skip=false",)))
-    assert skipped.hash == plain.hash
-    assert skipped.stats["evals"] < plain.stats["evals"]
 
 
 @pytest.mark.parametrize("name", ["puma560_calibrate", "puma560_calibrate_30"])

@@ -2,10 +2,7 @@
 """Threads that use the package for the first time at the same moment."""
 
 import sys
-import threading
-from contextlib import suppress
 
-from mmcs.cached import once
 from tools.compiled import ran
 
 # Every thread is inside the maker, if it can be, before the first of them has made anything.
@@ -32,21 +29,3 @@ def test_four_threads_at_a_cold_start():
     mine = ran(sys.executable, "-c", one, check=True)
     four = ran(sys.executable, "-c", FOUR)
     assert four.stdout == mine.stdout, four.stderr[-500:]
-
-
-def test_once_is_once_for_all_threads():
-    together, made, found = threading.Barrier(3), [], []
-
-    @once
-    def make():
-        with suppress(threading.BrokenBarrierError):
-            together.wait(0.5)
-        made.append(object())
-        return made[-1]
-
-    threads = [threading.Thread(target=lambda: found.append(make())) for _ in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(made) == 1 and found == made * 3

@@ -6,9 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pywellen
 
 from mmcs import regs
 from mmcs.errors import RunError
+from mmcs.runs.machine import machine
+from mmcs.runs.record import make_record, read_record, write_record
+from mmcs.runs.replay import stretch
+from mmcs.runs.replay import trace as trace_again
+from mmcs.runs.report import make_report, write_report
+from mmcs.runs.runner import simulate
+from mmcs.runs.session import Session
+from mmcs.scenario.load import load
 from mmcs.view import watched, waves
 from mmcs.view.moments import Pass, first_missed, first_pass
 from mmcs.view.names import registers
@@ -18,21 +27,14 @@ SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 
 @pytest.fixture(scope="module")
 def trace(tmp_path_factory):
-    from mmcs.runs.record import make_record, read_record, write_record
-    from mmcs.runs.replay import trace
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
-
     folder = tmp_path_factory.mktemp("trace")
     write_record(make_record(simulate(load("lab500", SETS)), "native"), folder)
     path = folder / "lab500.fst"
-    assert trace(read_record(str(folder)), path, 0.004, 0.009) == (None, "")
+    assert trace_again(read_record(str(folder)), path, 0.004, 0.009) == (None, "")
     return path
 
 
 def test_every_signal_of_the_view_is_in_the_trace(trace):
-    import pywellen
-
     widths = {var.full_name: var.length for var in pywellen.Waveform(str(trace)).all_vars()}
     wanted = [s for signals in waves.GROUPS.values() for s in signals]
     found = {s.path: widths.get(s.full()) for s in wanted}
@@ -76,8 +78,6 @@ def test_the_pass_is_whole(trace):
 
 
 def test_a_window_is_traced_not_the_run(trace):
-    import pywellen
-
     clock = next(v for v in pywellen.Waveform(str(trace)).all_vars() if v.name == "sclock_o")
     times = [time for time, _ in clock.tv]
     assert times[-1] - times[0] < 5.1e9  # ps
@@ -88,10 +88,6 @@ PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before po
 
 def _watched() -> np.ndarray:
     """What the same run's nets do in a machine without traces."""
-    from mmcs.runs.machine import machine
-    from mmcs.runs.session import Session
-    from mmcs.scenario.load import load
-
     setup = load("lab500", SETS)
     with machine(setup, skip=False) as sim:
         sim.watch(watched.nets())
@@ -101,8 +97,6 @@ def _watched() -> np.ndarray:
 
 def test_nets_watched_clock_by_clock_are_those_of_the_trace(trace):
     """Each net that a page draws: the same values at the same clocks, over 5 ms of motion."""
-    import pywellen
-
     traced = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
     sclock = traced[f"{waves.MACHINE}.sclock_o"].tv
     first, last = ([t for t, _ in sclock][n] // PS_PER_CLK - BEFORE_CLKS for n in (0, -1))
@@ -133,9 +127,6 @@ def _from(values: list[tuple[int, int]], first: int, last: int) -> list[tuple[in
 
 
 def test_a_machine_that_skips_has_nothing_to_watch():
-    from mmcs.runs.machine import machine
-    from mmcs.scenario.load import load
-
     setup = load("lab500", SETS)
     with machine(setup, skip=True) as sim, pytest.raises(RunError, match="sees? each clock"):
         sim.watch(watched.nets()[:1])
@@ -174,12 +165,6 @@ def test_without_display_the_commands_are_printed(tmp_path, monkeypatch, capsys)
 
 def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
     """A host that takes no interrupt for 8 ms: SCLOCKs come while the latch is set."""
-    from mmcs.runs.record import make_record, read_record, write_record
-    from mmcs.runs.replay import stretch, trace
-    from mmcs.runs.report import make_report, write_report
-    from mmcs.runs.runner import simulate
-    from mmcs.scenario.load import load
-
     stall = 'event=[{at=0.005, input="host_stall", value=8}]'
     result = simulate(load("lab500", (*SETS, stall)))
     missed = [note for note in result.notes if note["kind"] == "missed"]
@@ -191,7 +176,7 @@ def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
     begin, end = stretch(record, "missed", 5)
     assert begin < missed[0]["t"] < end
     wave = tmp_path / "missed.fst"
-    assert trace(record, wave, begin, end)[0] is None
+    assert trace_again(record, wave, begin, end)[0] is None
     at = first_missed(wave, waves.MACHINE)
     assert at is not None
     gtkw, _ = waves.write_views(wave)
