@@ -3,16 +3,14 @@
 requirements of these ids."""
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
-from fwbuild import ROOT, SANITIZE, WARN, compile_c
+from fwbuild import ROOT, SANITIZE, compile_c
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tools.compiled import compiled, ran, written
+from tools.compiled import ran
 
 HERE = Path(__file__).parent
 
@@ -46,28 +44,3 @@ def test_chosen_calls(choices):
     says."""
     done = ran(program(), "test_calls_that_a_model_judges", choices.hex().rstrip("0"))
     assert done.returncode == 0, done.stdout + done.stderr
-
-
-@pytest.mark.req("FW-1")
-@pytest.mark.parametrize("compiler,package,flags", [
-    ("m68k-linux-gnu-gcc", "gcc-m68k-linux-gnu", ["-m68020", "-msoft-float"]),
-    ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", ["-march=rv32im", "-mabi=ilp32"]),
-])  # fmt: skip
-def test_compiles_freestanding(compiler, package, flags):
-    if not shutil.which(compiler):
-        pytest.skip(f"{compiler} is missing; install it with: sudo apt-get install {package}")
-    for source in DRIVER:
-        command = [compiler, *WARN, *flags, "-ffreestanding", "-O2",
-                   f"-I{ROOT}/firmware/include", f"-I{ROOT}/firmware/mc", "-c"]  # fmt: skip
-        compiled(f"{source.stem}.o", command, [source])
-
-
-@pytest.mark.req("DRV-1")
-def test_header_is_old_style_c_too():
-    program = written(
-        "old.c",
-        '#include "mcdef.h"\nint r;\nmain() { struct mc_param p; '
-        "r = MSETPARAM; p.which = MD_POS | COULCOMP; return sizeof(p) != 72; }\n",
-    )
-    old = compiled("old", ["cc", "-std=gnu89", "-w", f"-I{ROOT}/firmware/include"], [program])
-    assert subprocess.run([old], check=False).returncode == 0

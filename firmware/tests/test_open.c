@@ -31,6 +31,8 @@ TEST(test_attach_begins_anew, "DRV-1 DRV-2") {
   struct mc_config config = {.sysclk_hz = 8000000, .vector = 0x77};
   struct mc_state state;
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, MC_O_RDWR), i);
+  CHECK_EQ(mc_open(mc, MC_O_RDONLY), -MC_ENFILE);
+  CHECK_EQ(mc_read(mc, MC_MAX_CLIENTS, &state, 28), -MC_EBADF);
   CHECK_EQ(enable(mc), 0);
   CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
   CHECK_EQ(mc_joints(mc), 0);
@@ -96,23 +98,32 @@ TEST(test_first_open_traffic, "DRV-2 DRV-3 DIA-2") {
   CHECK_EQ(m.used, 0);
 }
 
-TEST(test_positions_are_known_from_the_open_on, "DRV-2 DRV-10") {
+/* By read(), before the first sample: the start of SCLOCK has begun a conversion, and what encoders
+ * had latched long ago is out of the way. */
+TEST(test_state_is_known_from_the_open_on, "DRV-2 DRV-4 DRV-10") {
   static const int32_t counts[] = {0x1234, -2, 0x7FFF, -0x8000};
   struct mc *mc = mock_start(&m, 2);
   struct mc_state state[4];
   for (int axis = 0; axis < 4; axis++) {
     m.card[axis / 2].count[axis & 1] = (uint16_t)counts[axis];
-    m.card[axis / 2].latched[axis & 1] = 99; /* of long ago */
+    m.card[axis / 2].latched[axis & 1] = 99;
     m.card[axis / 2].has_latch[axis & 1] = 1;
+    m.card[axis / 2].adc[axis & 1] = (uint16_t)(700 + axis);
   }
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
+  CHECK_EQ(mc_stats_of(mc)->total, 0); /* no sample yet */
   for (int axis = 0; axis < 4; axis++) {
-    const struct mc_state want = {.encnow = counts[axis], .adcvai = 2048};
+    const struct mc_state want = {.encnow = counts[axis], .adcvai = 700 + axis};
     CHECK(memcmp(&state[axis], &want, sizeof want) == 0);
   }
+  m.card[0].adc[0] = 5;
   mock_run(&m, 4100);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mc_state_of(mc, axis)->encnow, counts[axis]);
+  m.card[0].adc[0] = 6; /* from the first sample on, what the last one found */
+  CHECK_EQ(mc_read(mc, 0, state, sizeof state), sizeof state);
+  CHECK_EQ(state[0].adcvai, 5);
+  CHECK_EQ(m.masked, 0);
 }
 
 static uint8_t hole;
@@ -243,42 +254,6 @@ TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   m.card[1].count[0] = 7;
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
-}
-
-TEST(test_read_gives_every_axis_its_state, "DRV-4") {
-  struct mc *mc = mock_open(&m, 2);
-  struct mc_state state[5];
-  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 + axis);
-  mock_run(&m, 4100);
-  for (int n = 1; n <= 5; n++) {
-    memset(state, 0x5A, sizeof state);
-    int got = mc_read(mc, 0, state, (size_t)n * 28);
-    CHECK_EQ(got, 28 * (n < 4 ? n : 4));
-    for (int axis = 0; axis < 5; axis++) {
-      CHECK_EQ(state[axis].encnow, axis * 28 < got ? 100 + axis : 0x5A5A5A5A);
-    }
-  }
-  for (int client = 1; client < MC_MAX_CLIENTS; client++) {
-    CHECK_EQ(mc_open(mc, MC_O_RDONLY), client);
-  }
-  CHECK_EQ(mc_open(mc, MC_O_RDONLY), -MC_ENFILE);
-  CHECK_EQ(mc_read(mc, MC_MAX_CLIENTS, state, 28), -MC_EBADF);
-}
-
-/* The start of SCLOCK has begun a conversion: read() need not wait for the first sample. */
-TEST(test_first_read_has_the_converters_values, "DRV-4") {
-  struct mc *mc = mock_open(&m, 2);
-  struct mc_state state[4];
-  for (int axis = 0; axis < 4; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(700 + axis);
-  CHECK_EQ(mc_read(mc, 0, state, sizeof state), sizeof state);
-  CHECK_EQ(mc_stats_of(mc)->total, 0); /* no sample yet */
-  for (int axis = 0; axis < 4; axis++) CHECK_EQ(state[axis].adcvai, 700 + axis);
-  m.card[0].adc[0] = 5;
-  mock_run(&m, 4100);
-  m.card[0].adc[0] = 6; /* from the first sample on, what the last one found */
-  CHECK_EQ(mc_read(mc, 0, state, sizeof state), sizeof state);
-  CHECK_EQ(state[0].adcvai, 5);
-  CHECK_EQ(m.masked, 0);
 }
 
 /* The first writer after there was none starts afresh; counts go on. */

@@ -171,6 +171,7 @@ static struct {
   struct {
     int used, reads, writes, has_read, signals;
     long looked, saw[AXES], again[AXES][8];
+    unsigned missed[AXES]; /* shown by reads that failed: shown once more, and not cleared */
   } client[CLIENTS];
   struct mc_param param[AXES];
   int32_t setpoint[AXES];
@@ -294,6 +295,7 @@ static void model_clear(int i) {
       s.client[i].again[axis][bit] = s.now;
     }
     if (s.client[i].saw[axis] < until) s.client[i].saw[axis] = until;
+    if (until >= 0) s.client[i].missed[axis] = 0;
   }
   for (int k = 0; k < CLIENTS; k++) {
     if (remains && s.client[k].used && s.client[k].writes) s.client[k].signals++;
@@ -367,11 +369,16 @@ static int model_ioctl(int i, uint32_t request, union argument *arg, int good) {
 }
 
 /* What a program's read of an axis shows: what is pending, and what came since it last saw it. */
-static int shown(int i, int axis) {
-  unsigned flags = s.pending[axis];
+static unsigned flags_shown(int i, int axis) {
+  unsigned flags = s.pending[axis] | s.client[i].missed[axis];
   for (unsigned bit = 0; bit < 8; bit++) {
     if (s.raised[axis][bit] > s.client[i].saw[axis]) flags |= 1u << bit;
   }
+  return flags;
+}
+
+static int shown(int i, int axis) {
+  unsigned flags = flags_shown(i, axis);
   uint32_t code = flags != 0 ? (uint32_t)axis << 8 | flags : 0;
   if ((flags & MERR_ZINDEX) != 0) code |= (uint32_t)s.index[axis] << 16;
   return (int)code;
@@ -380,13 +387,21 @@ static int shown(int i, int axis) {
 static void judge_read(struct mc *mc, int i, size_t len) {
   struct mc_state got[AXES + 1];
   int n = len / 28 < (size_t)s.joints ? (int)(len / 28) : s.joints;
+  m.bad_pointer = chance(8) == 0; /* then nothing is seen */
   int want = !may(i, 0) ? -MC_EBADF : len < 28 ? -MC_EINVAL : 28 * n;
+  if (want > 0 && m.bad_pointer) want = -MC_EFAULT;
   CHECK_EQ(mc_read(mc, i, got, len), want);
+  if (want == -MC_EFAULT) {
+    for (int axis = 0; axis < n; axis++) s.client[i].missed[axis] = flags_shown(i, axis);
+    memset(s.client[i].again, 0, sizeof s.client[i].again);
+    s.client[i].looked = -1;
+  }
   if (want < 0) return;
   for (int axis = 0; axis < n; axis++) {
     CHECK_EQ(got[axis].errcode, shown(i, axis));
     CHECK_EQ(got[axis].encnow, 0);
     s.client[i].saw[axis] = s.now;
+    s.client[i].missed[axis] = 0;
   }
   s.client[i].looked = s.now;
   s.client[i].has_read = 1;

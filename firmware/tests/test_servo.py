@@ -3,7 +3,7 @@
 
 import os
 import random
-from dataclasses import fields, replace
+from dataclasses import fields
 from itertools import product
 from pathlib import Path
 
@@ -243,56 +243,48 @@ def run_both(p: ref.Params, rows) -> np.ndarray:
     return Axis(p, int(rows[0][0]) & 0xFFFF).run(rows)
 
 
-@pytest.mark.req("SRV-2")
-def test_integrator_loses_nothing():
-    """1/7 unit per sample for 700 samples is 100 units: truncated history would stay at 0."""
-    p = ref.Params(a0=1, b0=7, b1=-7, mode=ref.POS | ref.ZEROFB)
-    out = run_both(p, [(0, 0, 1)] * 700)
-    assert out[-1, 5] == 100
+LARGEST = 2**31 - 1
+OPEN = ref.POS | ref.ZEROFB  # error = setpoint
+STEEP = {"a0": LARGEST, "a1": LARGEST, "a2": LARGEST, "mode": OPEN, "ilim": 2047}
+FRICTION = {"mode": ref.TORQ | ref.COULCOMP, "ic_pos": 100, "ic_neg": 80}
+OVER = {"mode": ref.TORQ, "ilim": 100, "ilimax": 5}
+# S1 and S4 at the A/D, loop open: a filter from A/D to D/A (§2.2.4), here a mean of three.
+MEAN = {"a0": 1, "a1": 1, "a2": 1, "b0": 3, "adc_b": -2048, "ilim": 2047,
+        "mode": ref.POS | ref.ADFB | ref.ADDMD | ref.ZEROFB}  # fmt: skip
+# What is known by hand: parameters, samples, a column and its last values.
+KNOWN = {
+    # 1/7 unit per sample for 700 samples is 100 units: truncated history would stay at 0
+    "integrator": ("SRV-2", {"a0": 1, "b0": 7, "b1": -7, "mode": OPEN}, [(0, 0, 1)] * 700,
+                   "current", [100]),
+    "saturates-up": ("SRV-2", STEEP, [(0, 0, LARGEST)] * 5, "current", [2047] * 5),
+    "saturates-down": ("SRV-2", STEEP, [(0, 0, -LARGEST - 1)] * 5, "current", [-2047] * 5),
+    # 3/2 and -3/2, toward zero
+    "velocity-up": ("SRV-1", {"mode": ref.VEL}, [(0, 0, 0), (1, 0, 0)], "vel", [1]),
+    "velocity-down": ("SRV-1", {"mode": ref.VEL}, [(0, 0, 0), (65535, 0, 0)], "vel", [-1]),
+    "wrap": ("DRV-10", {"mode": ref.POS}, [((32000 + 500 * i) & 0xFFFF, 0, 0) for i in range(300)],
+             "position", [32000 + 500 * 299]),
+    "friction-up": ("SRV-3", FRICTION, [(0, 0, 10)], "current", [110]),
+    "friction-down": ("SRV-3", FRICTION, [(0, 0, -10)], "current", [-90]),
+    "friction-at-0": ("SRV-3", FRICTION, [(0, 0, 0)], "current", [0]),
+    "friction-reversed": ("SRV-3", FRICTION | {"ic_pos": -100, "ic_neg": -80}, [(0, 0, 10)],
+                          "current", [90]),
+    "overload": ("SRV-4", OVER, [(0, 0, 101)] * 6, "events", [0] * 5 + [ref.ILIM]),
+    "overload-passes": ("SRV-4", OVER, [(0, 0, 101)] * 6, "current", [101] * 6),
+    "silent-limit": ("SRV-4", OVER | {"ilimax": 0}, [(0, 0, 101)] * 6, "current", [100] * 6),
+    "silence": ("SRV-4", OVER | {"ilimax": 0}, [(0, 0, 101)] * 6, "events", [0] * 6),
+    "triangle": ("SRV-6", {"mode": ref.TEST1, "ilim": 3}, [(0, 0, 0)] * 14, "current",
+                 [0, 1, 2, 3, 2, 1, 0, -1, -2, -3, -2, -1, 0, 1]),
+    "filter": ("SRV-6", MEAN, [(0, r, 0) for r in (2048, 2051, 2054, 2057, 2057, 2057)],
+               "current", [0, 1, 3, 6, 8, 9]),
+}  # fmt: skip
 
 
-@pytest.mark.req("SRV-2")
-def test_saturates_with_the_right_sign():
-    p = ref.Params(a0=2**31 - 1, a1=2**31 - 1, a2=2**31 - 1, mode=ref.POS | ref.ZEROFB, ilim=2047)
-    out = run_both(p, [(0, 0, 2**31 - 1)] * 5)
-    assert (out[:, 5] == 2047).all()
-    out = run_both(p, [(0, 0, -(2**31))] * 5)
-    assert (out[:, 5] == -2047).all()
-
-
-@pytest.mark.req("SRV-1")
-def test_velocity_truncates_toward_zero():
-    p = ref.Params(mode=ref.VEL)
-    up = run_both(p, [(0, 0, 0), (0, 0, 0), (1, 0, 0)])
-    down = run_both(p, [(0, 0, 0), (0, 0, 0), (65535, 0, 0)])
-    assert (up[2, 3], down[2, 3]) == (1, -1)  # 3/2 and -3/2
-
-
-@pytest.mark.req("DRV-10")
-def test_position_goes_on_through_the_wrap():
-    rows = [((32000 + 500 * i) & 0xFFFF, 0, 0) for i in range(300)]
-    out = run_both(ref.Params(mode=ref.POS), rows)
-    assert out[-1, 0] == 32000 + 500 * 299
-
-
-@pytest.mark.req("SRV-3")
-def test_coulomb_at_rest_follows_the_demand_and_flips_on_a_reversed_axis():
-    p = ref.Params(mode=ref.TORQ | ref.COULCOMP, ic_pos=100, ic_neg=80)
-    assert run_both(p, [(0, 0, 10)])[0, 5] == 110
-    assert run_both(p, [(0, 0, -10)])[0, 5] == -90
-    assert run_both(p, [(0, 0, 0)])[0, 5] == 0
-    back = replace(p, ic_pos=-100, ic_neg=-80)
-    assert run_both(back, [(0, 0, 10)])[0, 5] == 90
-
-
-@pytest.mark.req("SRV-4")
-def test_overload_trips_at_the_sample_after_ilimax():
-    p = ref.Params(mode=ref.TORQ, ilim=100, ilimax=5)
-    out = run_both(p, [(0, 0, 101)] * 6)
-    assert out[:, 7].tolist() == [0, 0, 0, 0, 0, ref.ILIM]
-    assert (out[:, 5] == 101).all()
-    silent = run_both(replace(p, ilimax=0), [(0, 0, 101)] * 6)
-    assert (silent[:, 5] == 100).all() and (silent[:, 7] == 0).all()
+@pytest.mark.parametrize("params, rows, column, values", [
+    pytest.param(*row, id=name, marks=pytest.mark.req(req)) for name, (req, *row) in KNOWN.items()
+])  # fmt: skip
+def test_by_hand(params, rows, column, values):
+    out = run_both(ref.Params(**params), rows)[:, COLUMNS.index(column)]
+    assert out[-len(values) :].tolist() == values
 
 
 @pytest.mark.req("SRV-5")
@@ -304,27 +296,9 @@ def test_current_filter_has_unity_gain(ipole):
         assert abs(int(out[-1, 6]) / 1024 - current) <= 1
 
 
-@pytest.mark.req("SRV-6")
-def test_triangle_starts_at_zero_and_turns_at_the_limit():
-    out = run_both(ref.Params(mode=ref.TEST1, ilim=3), [(0, 0, 0)] * 14)
-    assert out[:, 5].tolist() == [0, 1, 2, 3, 2, 1, 0, -1, -2, -3, -2, -1, 0, 1]
-
-
-@pytest.mark.req("SRV-6")
-def test_programmable_filter():
-    """S1 and S4 at the A/D, loop open: a filter from A/D to D/A (§2.2.4), here a mean of three."""
-    p = ref.Params(a0=1, a1=1, a2=1, b0=3, adc_b=-2048, ilim=2047,
-                   mode=ref.POS | ref.ADFB | ref.ADDMD | ref.ZEROFB)  # fmt: skip
-    raw = [2048, 2051, 2054, 2057, 2057, 2057]
-    out = run_both(p, [(0, r, 0) for r in raw])
-    assert out[:, 5].tolist() == [0, 1, 3, 6, 8, 9]
-
-
 # --- where chance seldom leads: small coefficients of both signs, limits that are exactly met ---
 
-OPEN = ref.POS | ref.ZEROFB  # error = setpoint
 ERRORS = [(0, 0, e) for e in (5, -3, 1, 0, 2, -1, 7, 7)]
-LARGEST = 2**31 - 1
 
 
 @pytest.mark.req("SRV-2")
@@ -353,24 +327,20 @@ def test_overload_is_more_than_the_limit(sign):
             run_both(p, [(0, 0, max(-LARGEST - 1, min(LARGEST, sign * (limit + over))))] * 2)
 
 
-@pytest.mark.req("SRV-3")
-def test_friction_at_rest_in_either_direction():
-    for pos, neg, u in product([-2, -1, 0, 1, 2], [-2, -1, 0, 1, 2], [-2, -1, 0, 1, 2]):
+def corners():
+    """Friction at rest and in motion, triangles of every small height, limits: by each side."""
+    for pos, neg, u in product(range(-2, 3), repeat=3):
         p = ref.Params(mode=ref.TORQ | ref.COULCOMP, ic_pos=pos, ic_neg=neg)
-        run_both(p, [(0, 0, u)])
-        for step in (-1, 1):  # and when it moves
-            run_both(p, [(0, 0, u), (step & 0xFFFF, 0, u), (step & 0xFFFF, 0, u)])
-
-
-@pytest.mark.req("SRV-6")
-def test_triangles_of_every_small_height():
+        for step in (0, 1, 0xFFFF):
+            yield p, [(0, 0, u), (step, 0, u), (step, 0, u)]
     for limit, ilimax in product(range(-1, 6), (0, 1)):
-        p = ref.Params(mode=ref.TEST1, ilim=limit, ilimax=ilimax)
-        run_both(p, [(0, 0, 0)] * 30)
-
-
-@pytest.mark.req("DRV-10", "SRV-6")
-def test_limits_are_crossed_by_going_beyond():
+        yield ref.Params(mode=ref.TEST1, ilim=limit, ilimax=ilimax), [(0, 0, 0)] * 30
     for low, high in [(-3, 3), (0, 0), (2, -2), (-(2**31), LARGEST)]:
         p = ref.Params(mode=ref.POS | ref.POSCHK, plo=low, phi=high)
-        run_both(p, [(c & 0xFFFF, 0, 0) for c in (0, 3, 4, 3, -3, -4, -5, -3, 5, -5, 0)])
+        yield p, [(c & 0xFFFF, 0, 0) for c in (0, 3, 4, 3, -3, -4, -5, -3, 5, -5, 0)]
+
+
+@pytest.mark.req("SRV-3", "SRV-6", "DRV-10")
+def test_corners():
+    for p, rows in corners():
+        run_both(p, rows)
