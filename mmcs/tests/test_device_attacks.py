@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What nobody should do to the server, and what an impostor does to a program."""
 
-import contextlib
 import itertools
 import os
 import resource
@@ -9,7 +8,6 @@ import select
 import signal
 import socket
 import struct
-import threading
 from pathlib import Path
 
 import pytest
@@ -17,18 +15,9 @@ import pytest
 from mmcs import mcdef
 from mmcs.device import sockets, wire
 from mmcs.device.client import Device
-from mmcs.device.execute import environment
 from mmcs.device.link import Link
-from mmcs.tests.device_bench import (
-    PROGRAMS,
-    SANITIZED,
-    Bench,
-    all_are_free,
-    compile_program,
-    descriptors,
-)
+from mmcs.tests.device_bench import Bench, all_are_free, descriptors
 from mmcs.tests.raw import Asker, Raw, stop_line
-from tools.compiled import ran
 
 pytestmark = pytest.mark.usefixtures("unsignalled")
 
@@ -299,37 +288,3 @@ def test_a_socket_of_another_user_is_not_used(serving, monkeypatch):
     for use in (Device, lambda: Link(path=serving.server.path, timeout=None)):
         with pytest.raises(OSError, match="serves this socket, not you"):
             use()
-
-
-@pytest.mark.req("DRV-4")
-def test_a_server_that_lies_writes_nothing_beyond_what_was_asked_for(tmp_path):
-    path = tmp_path / "liar.sock"
-    lies = [(4000, 28), (0, 200), (28, 4)]
-    with socket.socket(socket.AF_UNIX) as door:
-        door.bind(str(path))
-        door.listen(8)
-        told = iter(lies)
-
-        def lie(sock):
-            with sock, contextlib.suppress(ConnectionError):
-                while head := sock.recv(wire.REQUEST.size, socket.MSG_WAITALL):
-                    _, op, _, _, _, length, _ = wire.REQUEST.unpack(head)
-                    sock.recv(length, socket.MSG_WAITALL)
-                    if op == wire.OPEN:
-                        sock.sendall(wire.REPLY.pack(0, 0) + b".")
-                    else:
-                        result, length = next(told)
-                        sock.sendall(wire.REPLY.pack(result, length) + b"\x11" * length)
-
-        def accept():
-            for _ in range(1 + 1 + len(lies)):
-                try:
-                    sock, _ = door.accept()
-                except OSError:
-                    return
-                threading.Thread(target=lie, args=(sock,), daemon=True).start()
-
-        threading.Thread(target=accept, daemon=True).start()
-        program = compile_program(PROGRAMS / "bounds.c")
-        done = ran(program, env=environment(path, SANITIZED))
-    assert done.stdout == "-1 5\n-1 5\n-1 5\ntouched 0\n"

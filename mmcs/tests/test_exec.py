@@ -64,16 +64,6 @@ def of_axis(note, axis):
 
 
 @pytest.mark.req("API-1")
-def test_readregs_of_1989(bench):
-    out, status = bench.finish(bench.start(compile_1989(EXAMPLES / "readregs.c")))
-    assert status == 0, out
-    assert "PCCSR as written 0x18" in out
-    assert "as a short       0xff18" in out
-    assert "card 0 port A    0x15" in out
-    assert out.count(": time-out") == 3
-
-
-@pytest.mark.req("API-1")
 def test_mapped_window(bench):
     out, status = bench.finish(bench.start(compile_program(PROGRAMS / "window.c")))
     assert status == 0, out
@@ -187,18 +177,6 @@ print("other", os.waitpid(other, 0)[1])
 """
     out, status = bench.finish(bench.python(text))
     assert (out, status) == ("signalled\nsignalled\nother 0\n", 0)
-
-
-@pytest.mark.req("DRV-2")
-def test_a_close_has_happened_when_it_returns(bench):
-    child = bench.start(compile_program(PROGRAMS / "reopen.c"))
-    assert bench.finish(child) == ("200\n", 0)
-
-
-@pytest.mark.req("DRV-3")
-def test_a_program_takes_the_lease(bench):
-    child = bench.start(compile_program(PROGRAMS / "lease.c"))
-    assert bench.finish(child) == ("done\n", 0)
 
 
 @pytest.mark.req("DRV-2", "DRV-9", "HB-2")

@@ -8,7 +8,7 @@ import pytest
 
 from mmcs import mcdef
 from mmcs.device import reasons
-from mmcs.tests.device_bench import PROGRAMS, compile_program, output_in_lockstep
+from mmcs.tests.device_bench import output_in_lockstep
 
 REFUSED = """
 import os, sys
@@ -99,9 +99,3 @@ def test_no_request_and_no_error_is_without_one():
 
 def test_in_lockstep_too(tmp_path):
     assert output_in_lockstep(tmp_path, sys.executable, "-c", REFUSED)[:2] == (SAID, 0)
-
-
-def test_a_c_program_asks(bench):
-    child = bench.start(compile_program(PROGRAMS / "why.c"))
-    said = "[] MSETNUMJOINTS: 99 joints: must be 0 to 2\nenabled 0 stopped 0 cause 1 axis -1\n"
-    assert bench.finish(child) == (said, 0)

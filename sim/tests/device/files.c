@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The device by every call that a C program may use for a file, §2.3: a line for each that went
- * wrong, and "done". */
+/* The device by every call that a C program may use for a file, and what <sys/mmcs.h> adds, §2.3: a
+ * line for each that went wrong, and "done". */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -19,10 +19,53 @@
 
 #include "mcdef.h"
 
+#include <sys/mmcs.h>
+
 #define EXPECT(truth) \
   if (!(truth)) printf("line %d: %s (errno %d)\n", __LINE__, #truth, errno)
 
 #define BAD ((void *)16)
+
+/* No reason before a call is refused, then the sentence; and how the machine stands. */
+static void reasons(void) {
+  char why[MWHY_SIZE];
+  struct mmcs_status s;
+  int joints = 99, fd = open("/dev/mc0", O_RDWR);
+  EXPECT(ioctl(fd, MWHY, why) == 0 && why[0] == 0);
+  EXPECT(ioctl(fd, MSETNUMJOINTS, &joints) < 0 && ioctl(fd, MWHY, why) == 0);
+  EXPECT(strcmp(why, "MSETNUMJOINTS: 99 joints: must be 0 to 2") == 0);
+  EXPECT(sizeof s == 32 && ioctl(fd, MSTATUS, &s) == 0 && !s.enabled && !s.stopped);
+  EXPECT(s.cause == MCAUSE_NONE && s.number == -1 && close(fd) == 0);
+}
+
+/* A close has happened when it returns: a program that opens again at once finds the defaults. */
+static void reopened(void) {
+  for (int round = 0; round < 200; round++) {
+    int fd = open("/dev/mc0", O_RDWR), verbosity = M_ERRORPRINT, found = -1;
+    EXPECT(ioctl(fd, MSETVERBOSITY, &verbosity) == 0 && close(fd) == 0);
+    fd = open("/dev/mc0", O_RDWR);
+    EXPECT(ioctl(fd, MGETVERBOSITY, &found) == 0 && found == 0 && close(fd) == 0);
+  }
+}
+
+static int lease(int fd, int take) {
+  return ioctl(fd, MLEASE, &take) == 0 ? 0 : errno;
+}
+
+static void leases(void) {
+  int mine = open("/dev/mc0", O_RDWR), other = open("/dev/mc0", O_RDWR);
+  int monitor = open("/dev/mc0", O_RDONLY), joints = 1;
+  EXPECT(lease(monitor, 1) == EBADF && lease(mine, 2) == EINVAL);
+  EXPECT(lease(mine, 1) == 0 && lease(mine, 1) == 0);
+  EXPECT(lease(other, 1) == EBUSY && lease(other, 0) == 0);
+  EXPECT(ioctl(mine, MLEASE, BAD) < 0 && errno == EFAULT);
+  EXPECT(ioctl(mine, MSETNUMJOINTS, &joints) == 0);
+  EXPECT(ioctl(other, MSETNUMJOINTS, &joints) < 0 && errno == EBUSY);
+  EXPECT(ioctl(other, MSTOP, NULL) == 0); /* whoever has the lease */
+  EXPECT(close(mine) == 0 && ioctl(other, MSETNUMJOINTS, &joints) == 0);
+  EXPECT(lease(other, 1) == 0 && lease(other, 0) == 0);
+  EXPECT(close(other) == 0 && close(monitor) == 0);
+}
 
 static void paths(void) {
   struct stat status;
@@ -146,6 +189,9 @@ int main(void) {
   int fd, number = 5;
   struct stat status, named;
   (void)signal(SIGPIPE, SIG_IGN);
+  reasons();
+  reopened();
+  leases();
   paths();
   fd = open("/dev/mc0", O_RDWR);
   vectors(fd);
