@@ -76,7 +76,8 @@ def model_description(setup: Setup, token: str, motions: bool) -> str:
         f'<fmiModelDescription fmiVersion="3.0" modelName={quoteattr("mmcs_" + setup.name)}'
         f' instantiationToken="{token}" variableNamingConvention="structured"'
         ' generationTool="mmcs" license="Apache-2.0">',
-        '  <CoSimulation modelIdentifier="mmcs" canHandleVariableCommunicationStepSize="true"/>',
+        '  <CoSimulation modelIdentifier="mmcs" canHandleVariableCommunicationStepSize="true"'
+        ' canGetAndSetFMUState="true" canSerializeFMUState="true"/>',
         f'  <DefaultExperiment stepSize="{setup.scenario.interval_us * 1e-6:g}"/>',
         "  <ModelVariables>",
         '    <Float64 name="time" valueReference="0" causality="independent"'
@@ -99,7 +100,7 @@ def compile_unit(engine: Path, folder: Path) -> tuple[Path, Path]:
     shutil.copy(engine, alone)
     source = ROOT / "sim/fmu/fmu.c"
     compiler = shlex.split(os.environ.get("CC", "cc")) or ["cc"]
-    command = [*compiler, "-std=gnu11", "-O2", "-fvisibility=hidden", f"-I{ROOT / 'sim/abi'}",
+    command = [*compiler, "-std=gnu11", "-O2", f"-I{ROOT / 'sim/abi'}",
                f"-I{ROOT / 'firmware/include'}", source, f"-L{folder}", f"-lmmcs_{name}",
                "-Wl,-rpath,$ORIGIN", "-lm"]  # fmt: skip
     return compiled(unit, command, [source]), alone

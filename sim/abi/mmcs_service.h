@@ -82,6 +82,10 @@ int mmcs_script_client(const mmcs_script *script);      /* the driver's number; 
 /* Instead of mmcs_script_begin(), on a machine at time `t` of the motion: all that was due before
  * `t`, with at_it also at `t`, has been done already. */
 void mmcs_script_resume(mmcs_script *script, int client, double start, double t, int at_it);
+/* Where a script is, beside a snapshot of its machine: the number of bytes, written unless NULL;
+ * restore takes those of the same script. */
+size_t mmcs_script_save(mmcs_script *script, uint8_t *bytes);
+void mmcs_script_restore(mmcs_script *script, const uint8_t *bytes);
 /* Runs to each call and process that is due before a time of the motion and carries it out; the
  * caller then runs the machine to that time. 0; 1: an assertion failed; or -errno, and `what` names
  * the request. */

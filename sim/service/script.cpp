@@ -247,6 +247,20 @@ struct mmcs_script {
         0, mmcs_sim_write(sim, client, setpoints.data(), sizeof setpoints[0] * setpoints.size()));
   }
 
+  // Gives visit() the bytes of all that changes, but the answers and reports.
+  template <class Visit>
+  void state(Visit visit) {
+    visit(&client, sizeof client);
+    visit(&start, sizeof start);
+    visit(&next, sizeof next);
+    visit(params_now.data(), sizeof params_now[0] * params_now.size());
+    visit(setpoints.data(), sizeof setpoints[0] * setpoints.size());
+    for (Process &process : processes) {
+      visit(&process.due, sizeof process.due);
+      visit(&process.turn, sizeof process.turn);
+    }
+  }
+
   double duration;
   mmcs_driver driver;
   std::vector<mc_param> params_now;  // in force, of each axis
@@ -318,6 +332,20 @@ int mmcs_script_act(mmcs_script *script, mmcs_sim *sim, double until, char *what
 int mmcs_script_ask(mmcs_script *script, mmcs_sim *sim, const mmcs_call *call,
                     const mmcs_set *sets) {
   return script->ask(sim, *call, sets + call->set_at);
+}
+size_t mmcs_script_save(mmcs_script *script, uint8_t *bytes) {
+  size_t size = 0;
+  script->state([&](const void *part, size_t length) {
+    if (bytes) std::memcpy(bytes + size, part, length);
+    size += length;
+  });
+  return size;
+}
+void mmcs_script_restore(mmcs_script *script, const uint8_t *bytes) {
+  script->state([&](void *part, size_t length) {
+    std::memcpy(part, bytes, length);
+    bytes += length;
+  });
 }
 int32_t mmcs_script_answers(const mmcs_script *script, const mmcs_answer **answers) {
   *answers = script->answers.data();
