@@ -19,6 +19,7 @@ from tools.compiled import compiled, written
 
 PROGRAMS = ROOT / "sim" / "tests" / "device"
 EXAMPLES = ROOT / "firmware" / "examples"
+PORT = ROOT / "firmware" / "ports" / "linux" / "user.c"  # the driver in the program itself
 
 FLAGS = ("-Wall", "-Wextra", "-O1", f"-I{ROOT / 'firmware/include'}",
          f"-I{ROOT / 'firmware/examples'}", f"-I{DEVICE / 'include'}")  # fmt: skip
@@ -66,6 +67,10 @@ def compile_example(source):
     """An example of C, of 1989 or of today, for a robot of two bench motors."""
     if source.stem in ("bounce", "readregs"):
         return compile_1989(source)
+    if source == PORT:
+        driver = sorted((ROOT / "firmware" / "mc").glob("*.c"))
+        flags = [*FLAGS, f"-I{ROOT / 'firmware' / 'mc'}"]
+        return compiled("user", ["gcc", *flags], [source, *driver], ["-lpthread", "-lm"])
     table = written("robot.h", header(str(ROBOT), 1000)).parent
     return compile_program(source, *FLAGS, f"-I{table}")
 

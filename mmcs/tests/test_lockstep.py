@@ -13,6 +13,7 @@ from mmcs.device.execute import environment
 from mmcs.device.wire import MWAIT
 from mmcs.tests.device_bench import (
     EXAMPLES,
+    PORT,
     PROGRAMS,
     ROBOT,
     compile_example,
@@ -214,7 +215,7 @@ def test_threads_run_in_the_order_of_their_creation(tmp_path):
     assert status == 0 and said.split() == 3 * [str(n) for n in range(12)]
 
 
-EXAMPLES_RUN = sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))
+EXAMPLES_RUN = [PORT, *sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))]
 
 
 def example(path):

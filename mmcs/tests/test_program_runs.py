@@ -2,6 +2,7 @@
 """A program as a scenario: [[program]], `mmcs exec --out`, replay, sweep."""
 
 import json
+import re
 import sys
 
 import pytest
@@ -10,7 +11,7 @@ from mmcs.errors import InputError
 from mmcs.scenario.load import load
 from mmcs.sweeps.workers import run_row
 from mmcs.tests.conftest import call, good, one_clear_line
-from mmcs.tests.device_bench import write_scenario
+from mmcs.tests.device_bench import PORT, compile_example, write_scenario
 
 STEP = """
 import sys
@@ -99,6 +100,28 @@ def test_exec_replays_expectations_beyond_its_end(folder):
     words = ["exec", "--scenario", folder / "whole.toml", "--out", folder / "out", "--"]
     assert call(*words, sys.executable, "-c", "import mmcs; mmcs.Device().wait()")[0] == 1
     assert "reproduced" in good(call("replay", folder / "out"))
+
+
+@pytest.mark.req("DRV-1", "API-1")
+def test_the_driver_runs_as_a_program_on_the_mapped_window(folder, capfd):
+    """firmware/ports/linux: a sine without a missed sample; bus errors of its window stop it."""
+    user = compile_example(PORT)
+    broken = '[[event]]\nat = 0.5\ninput = "bus_error"\nvalue = 2\n'
+    (folder / "broken.toml").write_text('extends = "device.toml"\n' + broken)
+
+    def ran(scenario, *arguments):
+        words = ("--scenario", folder / scenario, "--out", folder / "out")
+        status = call("exec", *words, "--", user, *arguments)[0]
+        return status, "".join(capfd.readouterr())
+
+    status, said = ran("device.toml")
+    found = re.search(r"(\d+) samples, (\d+) missed, worst error (\d+)", said)
+    assert status == 0 and found, said
+    assert (found[1], found[2]) == ("400", "0") and 5 < int(found[3]) < 100
+    status, said = ran("device.toml", "/dev/vme16", "0x7000")
+    assert status == 1 and "open: No such device or address" in said
+    status, said = ran("broken.toml")
+    assert status == 1 and "PANIC: bus error in a servo pass" in said and "write: Input/" in said
 
 
 def test_a_sweep_takes_one(folder):
