@@ -379,34 +379,3 @@ def test_the_past_is_tinted_its_controls_are_dead_and_a_future_left_is_a_branch(
     page.click("#pause")
     desk.until("() => document.querySelector('.branch') && document.querySelector('.mark.left')")
     assert page.is_enabled("#axis0-ilim")
-
-
-MISTAKES = {  # what is typed where: what the page says
-    "#axis0-setpoint": {"2000": "more than ilim, 1024", "": "no setpoint", "1e400": "no setpoint"},
-    "#interval": {"50": "interval, µs", "1000000": "panics by", "600000000": "timers do not make"},
-    "#axis0-ilim": {"1,234": "whole number", "": "whole number"},
-    "[id='axis0-P gain']": {"": "no gain in %", "1e400": "no gain in %"},
-}
-
-
-def test_a_sentence_for_each_mistake(desk):
-    page = desk.page
-    choose(desk, "mode", "torq", lambda mode: mode == TORQ)
-    page.click("#axis0-panel summary")
-    for where, typed in MISTAKES.items():
-        for text, said in typed.items():
-            enter(page, where, text)
-            desk.eventually(lambda said=said: said in page.inner_text("#said"))
-    enter(page, "[id='axis0-P gain']", "-100")
-    desk.eventually(lambda: "drives away" in page.inner_text("#axis0-panel .warnings"))
-    page.evaluate("() => mctool.machine.change(0, { plo: -50, phi: 50, mode: 1 })")
-    desk.eventually(lambda: chosen(page, "#axis0-mode") == "pos")
-    enter(page, "#axis0-setpoint", "51")
-    desk.eventually(lambda: "beyond the limits plo and phi, -50 to 50" in page.inner_text("#said"))
-    page.click("#tab-tune")
-    enable(page)
-    for field, name in (("#tune-wn", "bandwidth"), ("#tune-half", "safe counts")):
-        page.fill(field, "")
-        page.click("#tune-go")
-        desk.eventually(lambda name=name: name in page.inner_text("#said"))
-        page.fill(field, "1000")
