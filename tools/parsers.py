@@ -150,7 +150,7 @@ def _wire(folder: Path) -> Parser:
 
     good = request(wire.READ, b"file", 56, 0) + request(wire.WRITE, b"file", 0, 0, bytes(4))
     good += request(wire.IOCTL, b"file", mcdef.MSETINTERVAL, 0, struct.pack("<I", 1000))
-    good += request(wire.LEASE, b"file", 1, 0)
+    good += request(wire.IOCTL, b"file", mcdef.MLEASE, 0, bytes([1, 0, 0, 0]))
     return Parser("wire", good, take, ())
 
 

@@ -102,7 +102,7 @@ def exec_(scenario, realtime, speed, lockstep, name, out, sets, show_flags, mode
     from mmcs.device.execute import cflags, run_program
 
     if robot is not None:
-        from mmcs.device.robot_header import header
+        from mmcs.scenario.robot_header import header
 
         echo(header(robot, interval).rstrip())
         return

@@ -15,17 +15,17 @@ import socket
 import struct
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from mmcs import mcdef
 from mmcs.device import reasons, wire
-from mmcs.device.line import ask, sample_of, take, take_async
+from mmcs.device.line import ask, take, take_async
 from mmcs.device.sockets import connect, socket_path
 
 MC_STATE = struct.Struct("<7i")
 
 
-@dataclass(frozen=True)
-class State:
+class State(NamedTuple):
     """struct mc_state of one axis at the latest sample."""
 
     adcvai: int  # processed A/D value
@@ -116,12 +116,16 @@ class Device:
     def read(self, axes: int = 32) -> list[State]:
         """The states of axes 0 to axes-1 (fewer if the driver controls fewer), of one sample."""
         _, data = self._call(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
-        return [State(*values) for values in MC_STATE.iter_unpack(data)]
+        return [State._make(values) for values in MC_STATE.iter_unpack(data)]
 
     def write(self, setpoints: list[int]) -> None:
         """Setpoints of axes 0 to n-1, in feedback units, units per period, or D/A units."""
-        values = [_checked("setpoint", value) for value in setpoints]
-        self._call(wire.WRITE, 0, struct.pack(f"<{len(values)}i", *values))
+        try:
+            data = struct.pack(f"<{len(setpoints)}i", *setpoints)
+        except (struct.error, TypeError):  # say which does not fit
+            values = [_checked("setpoint", value) for value in setpoints]
+            data = struct.pack(f"<{len(values)}i", *values)
+        self._call(wire.WRITE, 0, data)
 
     def write_axis(self, axis: int, setpoint: int) -> None:
         """The setpoint of one axis; the others keep theirs, whoever writes them."""
@@ -134,19 +138,21 @@ class Device:
             number = array.array("I", [0])
             fcntl.ioctl(self._fileno(), wire.MWAIT, number)
             return number[0]
-        return sample_of(self._call(wire.SAMPLE, 0))
+        return self._get("MWAIT") & 0xFFFFFFFF
 
     async def next_sample(self) -> int:
         """wait() for an event loop, whose other tasks go on meanwhile."""
         channel = self._take_channel()
         try:
-            ask(channel, wire.SAMPLE, 0, name=self._name)
-            number = sample_of(await take_async(channel))
+            ask(channel, wire.IOCTL, wire.MWAIT, name=self._name)
+            result, number = await take_async(channel)
         except BaseException:
             channel.close()
             raise
         self._idle.append(channel)
-        return number
+        if result < 0:
+            raise OSError(-result, _sentence(-result, "no servo sample comes"))
+        return int.from_bytes(number, "little")
 
     def status(self) -> Status:
         """How the machine stands: its time, whether it is enabled or stopped, by whom and why."""
@@ -246,10 +252,10 @@ class Device:
     def take_lease(self) -> None:
         """Until drop_lease() or close() nobody else may change anything (they get EBUSY), but for a
         stop. EBUSY if somebody else has it."""
-        self._call(wire.LEASE, wire.LEASE_TAKE)
+        self._set("MLEASE", 1)
 
     def drop_lease(self) -> None:
-        self._call(wire.LEASE, wire.LEASE_DROP)
+        self._set("MLEASE", 0)
 
     # --- the wire ---
 
@@ -276,7 +282,10 @@ class Device:
         try:
             result, out = _exchange(channel, op, self._name, a, 0, data)
             why = why or result < 0
-            said = _exchange(channel, wire.WHY, self._name, 0, 0, b"")[1] if why else b""
+            said = b""
+            if why:
+                said = _exchange(channel, wire.IOCTL, self._name, wire.MWHY, wire.MAX_DATA, b"")[1]
+                said = said.partition(b"\0")[0]
         except BaseException:
             channel.close()  # an answer may still come on it, which nobody waits for
             raise
@@ -288,14 +297,12 @@ class Device:
     def _call_libc(self, op: int, a: int, data: bytes) -> tuple[int, bytes]:
         """As a C program makes it: in lock-step the library knows of every call, and its signals
         wait until it is over."""
-        fd = self._fileno()
+        fd = self._file.fileno()
         if op == wire.READ:
             out = os.read(fd, a)
             return len(out), out
         if op == wire.WRITE:
             return os.write(fd, data), b""
-        if op == wire.LEASE:
-            return 0, fcntl.ioctl(fd, wire.MLEASE, struct.pack("<i", a))
         if op == wire.CHANGE:  # nobody else runs meanwhile
             param = self.get_param(a)
             names = mcdef.fields("mc_param")

@@ -45,7 +45,7 @@ def cflags(modern: bool = False) -> list[str]:
 def environment(path: Path, sanitize: bool = False, lockstep: bool = False) -> dict[str, str]:
     """What makes a program find the server that listens at `path`."""
     before = os.environ.get("LD_PRELOAD", "").split(":")
-    libraries = [str(preload_library(sanitize, lockstep)), *filter(None, before)]
+    libraries = [str(preload_library(sanitize)), *filter(None, before)]
     if sanitize:  # the sanitizer's own library comes first, whatever else there is
         libraries.sort(key=lambda name: "libasan" not in name)
     more = {"MMCS_LOCKSTEP": "1", "PYTHONHASHSEED": "0"} if lockstep else {}

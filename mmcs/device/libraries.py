@@ -7,28 +7,23 @@ from mmcs import BUILD, ROOT
 from mmcs.place import compiled
 
 DEVICE = ROOT / "sim" / "device"
-SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c")
-LOCKSTEP = (*SOURCES, "lockstep.c", "waits.c", "sync.c", "clocks.c")
+SOURCES = ("preload.c", "files.c", "wire.c", "vme_map.c", "lockstep.c", "waits.c", "sync.c",
+           "clocks.c")  # fmt: skip
 SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
 LIBRARY = BUILD / "device" / "libmmcs_preload.so"
 
 
-def preload_library(sanitize: bool = False, lockstep: bool = False) -> Path:
+def preload_library(sanitize: bool = False) -> Path:
     """The preload library, compiled if missing, damaged or of other sources."""
-    stem = "mmcs_preload" + ("_lockstep" if lockstep else "") + ("_asan" if sanitize else "")
-    return compiled_library(stem, LOCKSTEP if lockstep else SOURCES, sanitize)
-
-
-def compiled_library(stem: str, sources: tuple[str, ...], sanitize: bool = False) -> Path:
-    library = LIBRARY.with_stem(f"lib{stem.removeprefix('lib')}")
-    inputs = [DEVICE / name for name in sources]
+    library = LIBRARY.with_stem(LIBRARY.stem + ("_asan" if sanitize else ""))
+    inputs = [DEVICE / name for name in SOURCES]
     inputs += [
         file for folder in ("sim/device", "sim/device/include/sys", "sim/abi", "firmware/include",
                             "firmware/include/sys")
         for file in (ROOT / folder).glob("*.h")
     ]  # fmt: skip
     include = f"-I{ROOT / 'firmware' / 'include'}"
-    command = ["cc", "-std=gnu11", "-O2", include, *(DEVICE / name for name in sources)]
+    command = ["cc", "-std=gnu11", "-O2", include, *(DEVICE / name for name in SOURCES)]
     command += ["-ldl", "-lpthread", *([*SANITIZE, "-g"] if sanitize else [])]
     return compiled(library, command, inputs)
 

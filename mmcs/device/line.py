@@ -37,15 +37,6 @@ async def take_async(sock: socket.socket) -> tuple[int, bytes]:
     return take(sock)
 
 
-def sample_of(reply: tuple[int, bytes]) -> int:
-    result, data = reply
-    if result in (-errno.EIO, wire.CAUSE_LATE):
-        raise OSError(errno.EIO, "no servo sample comes: interrupts are off")
-    if result < 0:
-        raise OSError(-result, os.strerror(-result))
-    return wire.NOW_DATA.unpack(data)[1]
-
-
 def _receive(sock: socket.socket, length: int) -> bytes:
     data = b""
     while len(data) < length:

@@ -15,6 +15,7 @@ from mmcs.device import reasons, wire
 from mmcs.device.connection import Connection
 
 MOST_SAID = 1000  # bytes of why a call was refused
+LEASE = {struct.pack("<i", take): name for take, name in enumerate(("drop", "take"))}
 PAUSED_S = 1.0  # that a request waits for the end of a pause, and it is said
 MANY = 64  # holders of one file before the dead among them are looked for
 
@@ -104,7 +105,7 @@ class Program(Connection):
             self.ended = True
             self._server.becomes_line(self, request)
             return True
-        if op == wire.SAMPLE and not length:
+        if op == wire.IOCTL and a & 0xFFFFFFFF == wire.MWAIT:
             self._server.watch(self, pid)
             return True
         self.busy = True
@@ -152,14 +153,17 @@ class Program(Connection):
     # --- calls ---
 
     def _call(self, op: int, name: bytes, a: int, b: int, payload: bytes, pid: int):
-        if op != wire.WHY:
+        why = op == wire.IOCTL and a == wire.MWHY
+        if not why:
             self._said = ""
         if not wire.well_formed(op, a, b, len(payload)):
             return -wire.EINVAL, b""
         if op == wire.OPEN:
             return self._open(payload, a, b, pid), b""
-        if op == wire.WHY:
-            return 0, (self._said or self._machine.knows()).encode()[:MOST_SAID]
+        if why:
+            room = min(b or wire.MWHY_SIZE, MOST_SAID)
+            said = (self._said or self._machine.knows()).encode()
+            return 0, said[: room - 1].ljust(room, b"\0")
         file = self._files.get(name)
         if file is None:
             self._said = "the simulator that had this file open is gone"
@@ -193,9 +197,9 @@ class Program(Connection):
             if client.driver >= 0:
                 return wire.BUS_TIMEOUT, b""
             return machine.bus(client, a, b, payload if op == wire.STORE else None)
-        if op == wire.LEASE:
-            lease = "take" if a == wire.LEASE_TAKE else "drop"
-            return self._ask(client, {"op": "lease", lease: True}), b""
+        if op == wire.IOCTL and a & 0xFFFFFFFF == wire.MLEASE:
+            lease = LEASE.get(payload)
+            return (self._ask(client, {"op": "lease", lease: True}) if lease else -wire.EINVAL), b""
         if client.driver < 0:
             return (-wire.ENOTTY if op == wire.IOCTL else -wire.EINVAL), b""
         if op == wire.IOCTL:

@@ -26,6 +26,7 @@ OF_ANY = {
     errno.EFAULT: "the argument lies outside the program's memory",
 }
 NAMES = {request.code: name for name, request in mcdef.requests().items()}
+NAMES[mcdef.MLEASE] = "MLEASE"
 
 
 def of_open(error: int) -> str:

@@ -26,7 +26,6 @@ from mmcs.device.programs import Program
 from mmcs.device.sockets import Name, peer
 from mmcs.device.stop import StopPath
 from mmcs.device.turns import Core, Turns
-from mmcs.device.wire import EIO, NOW_DATA
 
 MOST_CONNECTIONS = 1000
 TURNS = 64  # of lock-step between looks at everything else
@@ -57,7 +56,7 @@ class Server:
         poll = self._poll.fileno()
         self.lockstep = Turns(self.machine, poll, lockstep, self._signal_now, console)
         self._core = Core(self.lockstep) if lockstep else None
-        self._watchers: list[tuple[Connection, int]] = []  # for a sample; and the process of each
+        self._watchers: list[tuple[Program, int]] = []  # for a sample; and the process of each
         self._doors = {}
         for suffix, kind in ((".sock", Program), (".msg", Messenger)):
             door = self.name.listen(suffix)
@@ -193,19 +192,19 @@ class Server:
         if sampled or self.sim.clock > self.lockstep.now.watched:
             self._answer_watchers(sampled)
 
-    def watch(self, connection: Connection, pid: int) -> None:
+    def watch(self, connection: Program, pid: int) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""
         self._watchers.append((connection, pid))
         self.lockstep.now.watched = self.sim.clock + round(NO_SAMPLE_S * self._hz)
 
     def _answer_watchers(self, sampled: bool) -> None:
         watchers, self._watchers, self.lockstep.now.watched = self._watchers, [], 0
-        ns, number = self.sim.clock * 10**9 // self._hz, self.sim.samples & 0xFFFFFFFF
+        number = (self.sim.samples & 0xFFFFFFFF).to_bytes(4, "little")
         for connection, pid in watchers:
             if sampled:
-                connection.reply(0, NOW_DATA.pack(ns, number, 0))
+                connection.reply(0, number)
             else:
-                connection.reply(-EIO)
+                connection.fail("no servo sample comes: interrupts are off")
             self.lockstep.look(pid)
 
     def _go_on(self) -> None:

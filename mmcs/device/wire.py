@@ -28,16 +28,12 @@ def _numbers(name: str) -> list[int]:
     return sorted(_declared.typeof(f"enum {name}").relements.values())
 
 
-REQUEST, REPLY, NOW_DATA = map(_layout, ("wire_request", "wire_reply", "wire_now"))
+REQUEST, REPLY = map(_layout, ("wire_request", "wire_reply"))
 STATUS = _layout("mmcs_status")
-OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, CHANGE, LEASE, WHY, SAMPLE, LINE, *_ = _numbers(
-    "wire_op"
-)
+OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, CHANGE, LINE, *_ = _numbers("wire_op")
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = _numbers("wire_bus")
-*_, CAUSE_LATE = _numbers("wire_cause")
 _, _, MAX_DATA, MAGIC = _numbers("wire_number")
 GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
-LEASE_DROP, LEASE_TAKE = range(2)
 MAX_PATH = 256
 
 EIO, ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 5, 6, 9, 16, 22, 25
@@ -92,7 +88,7 @@ def well_formed(op: int, a: int, b: int, size: int) -> bool:
         return size == 0 and b in (1, 2)
     if op == CHANGE:
         return size > 0 and size % 8 == 0
-    return OPEN < op < SAMPLE and size == 0
+    return op in (READ, HOLD) and size == 0
 
 
 def _peer(link: str) -> str:

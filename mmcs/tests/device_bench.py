@@ -9,12 +9,12 @@ from contextlib import contextmanager
 
 from mmcs import ROOT
 from mmcs.device.execute import DEVICE, LIBRARY, cflags, environment, serve_program
-from mmcs.device.robot_header import header
 from mmcs.device.server import Server
 from mmcs.engine.build import ensure_library
 from mmcs.engine.sim import Sim
 from mmcs.runs.machine import machine
 from mmcs.scenario.load import load
+from mmcs.scenario.robot_header import header
 from tools.compiled import compiled, written
 
 PROGRAMS = ROOT / "sim" / "tests" / "device"

@@ -17,6 +17,7 @@ from mmcs.device.client import Device
 from mmcs.device.execute import check_program, environment
 from mmcs.device.link import Link
 from mmcs.errors import InputError
+from mmcs.tests.conftest import call, good
 from mmcs.tests.device_bench import PROGRAMS, SANITIZED, compile_program, write_scenario
 from tools.compiled import CompileError, compiled, ran, written
 
@@ -47,12 +48,16 @@ def test_static_and_set_user_id_programs_are_refused_by_name(tmp_path, monkeypat
 
 
 @pytest.fixture
-def served(mc0, tmp_path):
+def served(mc0, tmp_path, request):
     """A `mmcs serve` of its own, and the environment of its programs."""
     env = environment(mc0, SANITIZED)  # first: nothing may end this with a server
+    scenario = write_scenario(tmp_path)
+    if getattr(request, "param", "") == "compiled":
+        good(call("compile", scenario, "-o", tmp_path / "own.bin"))
+        scenario = tmp_path / "own.bin"
     # Tests in the background or under nohup ignore some signals, and their children inherit that.
     command = ["env", "--default-signal=INT,HUP", sys.executable, "-m", "mmcs", "serve",
-               str(write_scenario(tmp_path))]  # fmt: skip
+               str(scenario)]  # fmt: skip
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as server:
         try:
             assert "serving" in server.stdout.readline()
@@ -69,6 +74,7 @@ def started(text, env):
     return child
 
 
+@pytest.mark.parametrize("served", ["scenario", "compiled"], indirect=True)
 def test_an_alarm_comes_through_when_the_server_is_stopped(served):
     server, env = served
     text = """

@@ -9,8 +9,8 @@ import re
 import numpy as np
 import pytest
 
-from mmcs.device.robot_header import header, joint_of
 from mmcs.scenario.load import load, load_robot
+from mmcs.scenario.robot_header import header, joint_of
 from mmcs.tests.device_bench import (
     EXAMPLES,
     FLAGS,

@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "lockstep.h"
+#include "device.h"
 
 /* The numbers of timers: of alarm() and setitimer(); those with a descriptor begin at FILES. */
 #define ALARM 0
@@ -32,23 +32,21 @@ int clock_gettime(clockid_t clock, struct timespec *at) {
 
 int gettimeofday(struct timeval *restrict at, void *restrict zone) {
   struct timespec now;
-  if (!lock_on()) return REAL(gettimeofday)(at, zone);
+  (void)zone;
   (void)clock_gettime(CLOCK_REALTIME, &now);
-  if (at != NULL) *at = (struct timeval){now.tv_sec, now.tv_nsec / 1000};
+  *at = (struct timeval){now.tv_sec, now.tv_nsec / 1000};
   return 0;
 }
 
 time_t time(time_t *at) {
   struct timespec now;
-  if (!lock_on()) return REAL(time)(at);
   (void)clock_gettime(CLOCK_REALTIME, &now);
   if (at != NULL) *at = now.tv_sec;
   return now.tv_sec;
 }
 
 int timespec_get(struct timespec *at, int base) {
-  if (!lock_on() || base != TIME_UTC) return REAL(timespec_get)(at, base);
-  return clock_gettime(CLOCK_REALTIME, at) == 0 ? base : 0;
+  return base == TIME_UTC && clock_gettime(CLOCK_REALTIME, at) == 0 ? base : 0;
 }
 
 /* --- timers ---------------------------------------------------------------------------- */
@@ -110,7 +108,6 @@ int getitimer(__itimer_which_t which, struct itimerval *now) {
 
 unsigned alarm(unsigned seconds) {
   struct itimerval at = {.it_value = {(time_t)seconds, 0}}, left = {0};
-  if (!lock_on()) return REAL(alarm)(seconds);
   (void)setitimer(ITIMER_REAL, &at, &left);
   return (unsigned)left.it_value.tv_sec + (left.it_value.tv_usec > 0);
 }
@@ -118,7 +115,6 @@ unsigned alarm(unsigned seconds) {
 useconds_t ualarm(useconds_t us, useconds_t interval) {
   struct itimerval left = {0},
                    at = {{interval / 1000000, interval % 1000000}, {us / 1000000, us % 1000000}};
-  if (!lock_on()) return REAL(ualarm)(us, interval);
   (void)setitimer(ITIMER_REAL, &at, &left);
   return (useconds_t)(left.it_value.tv_sec * 1000000 + left.it_value.tv_usec);
 }
@@ -137,9 +133,9 @@ static struct own *own_of(timer_t id) {
   return NULL;
 }
 
-int timer_create(clockid_t clock, struct sigevent *event, timer_t *id) {
+CALL(int, timer_create, (clockid_t clock, struct sigevent *event, timer_t *id),
+     (clock, event, id)) {
   struct own made = {{.signal = SIGALRM, .fd = -1}, clock};
-  if (!lock_on()) return REAL(timer_create)(clock, event, id);
   if (next_own == sizeof(own) / sizeof(own[0])) return errno = EAGAIN, -1;
   made.with.value = next_own;
   if (event != NULL) {
@@ -152,16 +148,16 @@ int timer_create(clockid_t clock, struct sigevent *event, timer_t *id) {
   return 0;
 }
 
-int timer_settime(timer_t id, int flags, const struct itimerspec *to, struct itimerspec *before) {
+CALL(int, timer_settime,
+     (timer_t id, int flags, const struct itimerspec *to, struct itimerspec *before),
+     (id, flags, to, before)) {
   struct own *t;
-  if (!lock_on()) return REAL(timer_settime)(id, flags, to, before);
   t = own_of(id);
   if (t == NULL) return -1;
   return arm((uintptr_t)id, t->with, t->clock, flags & TIMER_ABSTIME, to, before);
 }
 
-int timer_gettime(timer_t id, struct itimerspec *now) {
-  if (!lock_on()) return REAL(timer_gettime)(id, now);
+CALL(int, timer_gettime, (timer_t id, struct itimerspec *now), (id, now)) {
   return own_of(id) != NULL ? set_timer((uintptr_t)id, NULL, now) : -1;
 }
 
@@ -169,18 +165,16 @@ int timer_getoverrun(timer_t id) {
   return lock_on() ? 0 : REAL(timer_getoverrun)(id);
 }
 
-int timer_delete(timer_t id) {
+CALL(int, timer_delete, (timer_t id), (id)) {
   const struct wire_timer off = {.fd = -1};
-  if (!lock_on()) return REAL(timer_delete)(id);
   return own_of(id) != NULL ? set_timer((uintptr_t)id, &off, NULL) : -1;
 }
 
 /* An eventfd, which is read and polled like a timerfd. */
 static clockid_t clock_of[1024];
 
-int timerfd_create(clockid_t clock, int flags) {
+CALL(int, timerfd_create, (clockid_t clock, int flags), (clock, flags)) {
   int fd;
-  if (!lock_on()) return REAL(timerfd_create)(clock, flags);
   fd = eventfd(0,
                (flags & TFD_NONBLOCK ? EFD_NONBLOCK : 0) | (flags & TFD_CLOEXEC ? EFD_CLOEXEC : 0));
   if (fd >= 0 && fd < 1024) clock_of[fd] = clock;
@@ -193,7 +187,6 @@ int timerfd_settime(int fd, int flags, const struct itimerspec *to, struct itime
   return arm(FILES + (uint64_t)fd, timer, clock_of[fd], flags & TFD_TIMER_ABSTIME, to, before);
 }
 
-int timerfd_gettime(int fd, struct itimerspec *now) {
-  if (!lock_on()) return REAL(timerfd_gettime)(fd, now);
+CALL(int, timerfd_gettime, (int fd, struct itimerspec *now), (fd, now)) {
   return set_timer(FILES + (uint64_t)fd, NULL, now);
 }

@@ -1,14 +1,44 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the files of the preload library above the wire know of each other. */
+/* What the files of the preload library know of each other. */
 #ifndef MMCS_DEVICE_H
 #define MMCS_DEVICE_H
 
+#include <dlfcn.h>
 #include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <sys/types.h>
+#include <time.h>
 
 #include "wire.h"
 
-/* wire.c: the client's end. */
+#define SECOND 1000000000u
+#define EPOCH 599616000u /* of the clocks: machine time 0 is 1 January 1989, 0:00 UTC */
+
+/* The C library's own, found once. */
+#define REAL(name)                       \
+  ({                                     \
+    static void *real_;                  \
+    lock_find(&real_, #name);            \
+    (__typeof__(&name))(uintptr_t)real_; \
+  })
+void lock_find(void **real, const char *name);
+
+/* A call of the C library: what follows is it for threads in lock-step, all others have the C
+ * library's own. */
+#define CALL(result, name, parameters, arguments)                           \
+  static result name##_in_lockstep parameters;                              \
+  result name parameters {                                                  \
+    return lock_on() ? name##_in_lockstep arguments : REAL(name) arguments; \
+  }                                                                         \
+  static result name##_in_lockstep parameters
+
+/* Another name of a function: of its form for large files, which is the same where a long has 64
+ * bits, or of what the fortified headers call. */
+#define SAME(name, as) __asm__(".globl " #name "\n.set " #name ", " #as)
+_Static_assert(sizeof(long) == 8, "a long has 64 bits");
+
+/* --- wire.c: the client's end --- */
 
 /* Opens a device: a descriptor that stands for it, or a negative errno. */
 int wire_open(const char *path, int flags);
@@ -22,22 +52,25 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
 /* Forgets the parent's channels; call in the child of a fork. */
 void wire_after_fork(void);
 pid_t wire_pid(void);
-/* A connection to the server, or a negative errno; all of some bytes, or of a reply: 0, or less if
- * it is gone. */
+/* A connection to the server, or a negative errno. */
 int wire_connect(int cloexec);
-int wire_send(int fd, const void *data, size_t length);
-int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room);
-/* What a call that takes long lets through, if not all that the program does (lockstep.c). */
-extern const sigset_t *(*wire_late)(const sigset_t *before);
-/* How many calls this process has made: each may have taken machine time. And but for write(). */
+/* A request, in one piece: 0, or -1. */
+int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
+             const void *data, uint32_t length);
+/* Its reply: 0; -EIO when the server is gone or answers nonsense. Signals are blocked; with
+ * `before`, the program's signal mask, for a short time only, and -EINTR when a handler ran. */
+int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room, const sigset_t *before);
+/* How many calls this process has made: each may have taken machine time. And without those that
+ * change nothing but setpoints. */
 extern unsigned long wire_calls, wire_others;
-/* Before each call, if it is there: its WIRE_ number and `a`. */
-extern void (*wire_first)(uint32_t op, uint64_t a);
 
-/* The C library's own. For who has included <dlfcn.h>. */
-#define NEXT(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+/* --- preload.c: the calls of a program on an open device --- */
 
-/* preload.c: the calls of a program on an open device. */
+/* The size and direction that mcdef.h puts into a request number, as 4.2BSD did. */
+#define REQUEST_SIZE(r) (((r) >> 16) & 0x1FFFu)
+#define REQUEST_IN(r) (((r) & 0x80000000u) != 0)
+#define REQUEST_OUT(r) (((r) & 0x40000000u) != 0)
+
 ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
 ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length);
 /* Of the program's memory, which may not be there: 0, or -EFAULT. */
@@ -48,22 +81,69 @@ int device_can_take(void *to, size_t length);
 int device_is_vme(const char name[WIRE_NAME]);
 /* 1 if the path names a device that may be opened here. */
 int device_is_path(const char *path);
+/* files.c: a stream that reads and writes a descriptor by the calls here. */
+FILE *device_stream(int fd, const char *mode);
 /* The result of a call, or -1 and errno from a negative one. */
 int device_fail(int result);
 
-/* lockstep.c, if it is there; else null. Before a descriptor is read or written: waits until that
- * does not block, for so many bytes. The next sample: its number, or a negative errno. */
-extern size_t (*device_await)(int fd, short events);
-extern int (*device_sample)(uint32_t *number);
-/* The states that came with the sample, if that many did: their bytes, or 0. */
-extern int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t length);
-/* 1: the server will find these bytes, and write() succeeds. */
-extern int (*device_later)(const char name[WIRE_NAME], const void *data, uint32_t length);
+/* --- vme_map.c: the mapped window of /dev/vme16 --- */
 
-/* vme_map.c: the mapped window of /dev/vme16. */
 void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
               const char name[WIRE_NAME]);
 /* 1 if the range belonged to a window and was unmapped. */
 int vme_unmap(void *address, uint64_t length);
+
+/* --- lockstep.c: waiting in lock-step ---
+ *
+ * Of all threads of all attached programs one runs at a time. Whoever would wait says so on its
+ * line and is answered when it may go on; the server lets machine time pass when nobody runs. */
+
+/* With `what`: after a signal whose handler was installed with SA_RESTART it goes on. */
+#define LOCK_RESTARTS 0x100u
+
+/* 1: this thread is attached. */
+int lock_on(void);
+uint64_t lock_now(void);
+/* Waits; files may be null. `mask` is what the call sets meanwhile, or null. Signals that come are
+ * handled before it returns CAUSE_SIGNAL, unless `keep`: those stay pending. */
+int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, unsigned count,
+              const sigset_t *mask, int keep);
+/* A call that asks for what is new. A loop of them waits for something: every hundredth since the
+ * thread has waited takes 100 us, as a hundred do on a computer. */
+void lock_polls(void);
+/* A request without data in or out; what does not wait. */
+int lock_tell(uint32_t op, uint64_t a, uint64_t b);
+int lock_ask(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length, void *out,
+             uint32_t *out_length);
+/* The new thread's first act. */
+void lock_begin_thread(unsigned number);
+
+/* The next sample: its number, or a negative errno. */
+int lock_sample(uint32_t *number);
+/* A read(), with request 0, or a request whose argument only comes out: its bytes if they are known
+ * from before, else 0. And what the server has answered to one. */
+int lock_known(const char name[WIRE_NAME], uint32_t request, void *data, uint32_t asked);
+void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, uint32_t asked,
+                int length);
+/* 1: the server will find these bytes, and write() succeeds. */
+int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t length);
+/* Before a call to the server: it must not overtake such a write(). */
+void lock_write_first(void);
+/* What a call that takes long lets through, if not all that the program does. */
+const sigset_t *lock_late(const sigset_t *before);
+
+struct timespec lock_span(uint64_t ns);
+/* Its ns; of what is too long, the most. */
+uint64_t lock_ns(const struct timespec *span);
+/* ns of machine time: a span from now, and a time of a clock (relative ones count from now). */
+uint64_t lock_after(uint64_t ns);
+uint64_t lock_until(clockid_t clock, const struct timespec *at);
+
+/* --- waits.c --- */
+
+/* Before a descriptor is read or written: waits until that does not block, for so many bytes. */
+size_t lock_await(int fd, short events);
+/* Pipes as standard input and output: the C library would read and write them past us. */
+void lock_take_pipes(void);
 
 #endif

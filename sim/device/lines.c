@@ -124,9 +124,8 @@ static void reply(int fd, int result, const void *data, uint32_t length) {
 
 static struct wire_now now(const struct turns *t, const struct process *of) {
   struct wire_now told = {.ns = now_of(t), .sample = (uint32_t)mmcs_sim_samples(t->sim)};
-  EACH_PROCESS(t, p)
-  for (uint64_t n = 0; n < p->timers; n++)
-    if (p->timer[n].fired > 0) told.flags |= NOW_FIRED;
+  for (uint64_t n = 0; n < of->timers; n++)
+    if (of->timer[n].fired > 0) told.flags |= NOW_FIRED;
   if (of->later != NULL && of->writes != NULL && of->wrote == events_of(t))
     told.flags |= NOW_WRITES;
   return told;

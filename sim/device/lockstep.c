@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lock-step (lockstep.h): lines, waiting, signals, processes. */
 #define _GNU_SOURCE
-#include "lockstep.h"
+#include "device.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -41,24 +41,14 @@ static void close_line(void) {
   line = -1;
 }
 
-static void learn(const struct wire_now *now);
-
 static int request(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length) {
-  struct wire_request head = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
-  char
-      whole[sizeof(head) + sizeof(struct wire_wait) + 4 * 64]; /* in one piece, as it is answered */
-  head.pid = wire_pid();
-  memcpy(whole, &head, sizeof(head));
-  if (length > sizeof(whole) - sizeof(head)) return -1;
-  if (length > 0) memcpy(whole + sizeof(head), data, length);
-  return wire_send(line, whole, sizeof(head) + length);
+  return wire_ask(line, op, NULL, a, b, data, length);
 }
 
 /* The result, or -EIO when the server is gone: then nothing here is in lock-step any more. */
 static int answer(void *out, uint32_t *room) {
   struct wire_reply reply;
-  uint32_t most = room != NULL ? *room : 0;
-  if (wire_take(line, &reply, out, most) < 0) {
+  if (wire_take(line, &reply, out, room != NULL ? *room : 0, NULL) < 0) {
     enabled = 0;
     close_line();
     return -EIO;
@@ -87,9 +77,7 @@ int lock_tell(uint32_t op, uint64_t a, uint64_t b) {
 
 /* Expired timers with a descriptor become readable: it is an eventfd in truth. */
 static void fire(void) {
-  struct {
-    int32_t fd, count;
-  } fired[64];
+  struct wire_fired fired[64];
   uint32_t room = sizeof(fired);
   if (lock_ask(WIRE_FIRED, 0, 0, NULL, 0, fired, &room) < 0) return;
   for (uint32_t n = 0; n < room / sizeof(fired[0]); n++) {
@@ -191,15 +179,9 @@ static int await_answer(const sigset_t *mask) {
   return 1;
 }
 
-/* States that came with the last sample. They are asked for after a sample of which states were
- * read, and hold until this thread makes another call than write(), or waits. */
-static struct {
-  char name[WIRE_NAME];
-  uint32_t wanted, length;
-  unsigned long others; /* wire_others then */
-  int read;
-  char data[32 * 28];
-} ahead;
+const sigset_t *lock_late(const sigset_t *before) {
+  return lock_on() ? only_outside(before) : before;
+}
 
 static __thread unsigned polls; /* such calls since this thread has waited */
 
@@ -208,17 +190,41 @@ void lock_polls(void) {
     (void)lock_wait(WAIT_DEAF, lock_now() + 100000, NULL, NULL, 0, NULL, 0);
 }
 
-static int states(const char name[WIRE_NAME], void *data, uint32_t length) {
+/* The last answer to a read(), which may have come with a sample, and to a request. It holds until
+ * a thread waits, or makes a call that may change something. */
+static struct known {
+  char name[WIRE_NAME];
+  uint32_t request, asked, length;
+  unsigned long others; /* wire_others then */
+  char data[32 * 28];
+} known[2];
+static int has_read; /* since the last wait: states shall come with the next sample */
+
+int lock_known(const char name[WIRE_NAME], uint32_t request, void *data, uint32_t asked) {
+  struct known *k = &known[request != 0];
   lock_polls();
-  int same = ahead.wanted == length && memcmp(ahead.name, name, WIRE_NAME) == 0 && lock_on();
-  ahead.read = 1;
-  if (same && ahead.length > 0 && ahead.others == wire_others) {
-    memcpy(data, ahead.data, ahead.length);
-    return (int)ahead.length;
+  if (!lock_on()) return 0;
+  has_read |= request == 0;
+  if (k->length > 0 && k->request == request && k->asked == asked && k->others == wire_others &&
+      memcmp(k->name, name, WIRE_NAME) == 0) {
+    memcpy(data, k->data, k->length);
+    return (int)k->length;
   }
-  memcpy(ahead.name, name, WIRE_NAME);
-  ahead.wanted = length <= sizeof(ahead.data) ? length : 0;
+  k->request = request;
+  k->asked = asked;
+  k->length = 0;
+  memcpy(k->name, name, WIRE_NAME);
   return 0;
+}
+
+void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, uint32_t asked,
+                int length) {
+  struct known *k = &known[request != 0];
+  if (!lock_on() || length <= 0 || (size_t)length > sizeof(k->data)) return;
+  if (k->request != request || k->asked != asked || memcmp(k->name, name, WIRE_NAME) != 0) return;
+  memcpy(k->data, data, (size_t)length);
+  k->others = wire_others;
+  k->length = (uint32_t)length;
 }
 
 /* The server's part, and the last write() with an answer: one like it may do without. */
@@ -227,7 +233,7 @@ static int may_be_later;
 static unsigned long last_others; /* wire_others then */
 
 /* A signal's handler that interrupts this finds may_be_later taken, and its write() is answered. */
-static int write_later(const char name[WIRE_NAME], const void *data, uint32_t length) {
+int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t length) {
   int may = may_be_later && lock_on() && last_others == wire_others && last.length == length &&
             memcmp(last.name, name, WIRE_NAME) == 0;
   may_be_later = 0;
@@ -243,11 +249,9 @@ static int write_later(const char name[WIRE_NAME], const void *data, uint32_t le
   return may;
 }
 
-/* A call must not overtake it. */
-static void write_first(uint32_t op, uint64_t a) {
+void lock_write_first(void) {
   struct wire_now now;
   uint32_t room = sizeof(now);
-  if (op == WIRE_IOCTL && (a >> 30 & 3) == 1) lock_polls(); /* its argument only comes out */
   if (later != NULL && later->due && lock_on())
     (void)lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room);
 }
@@ -255,29 +259,26 @@ static void write_first(uint32_t op, uint64_t a) {
 static int wait_once(const struct wire_wait *head, const int *files, const sigset_t *mask,
                      int *heard) {
   char data[sizeof(*head) + 4 * 64];
+  struct known *states = &known[0];
   struct {
     struct wire_now now;
-    char states[sizeof(ahead.data)];
+    char states[sizeof(states->data)];
   } told = {0};
   uint32_t room = sizeof(told), length = (uint32_t)sizeof(*head) + 4 * head->files;
-  uint64_t wanted = head->what == WAIT_SAMPLE && ahead.read ? ahead.wanted : 0;
-  int result;
-  ahead.length = 0;
-  ahead.read = may_be_later = 0;
+  int result, more = head->what == WAIT_SAMPLE && has_read && states->asked <= sizeof(told.states);
+  known[0].length = known[1].length = 0;
+  has_read = may_be_later = 0;
   polls = 0;
   memcpy(data, head, sizeof(*head));
   if (head->files > 0) memcpy(data + sizeof(*head), files, 4 * head->files);
-  if (request(WIRE_WAIT, wanted, 0, data, length) < 0) return -EIO;
+  if (request(WIRE_WAIT, more ? states->asked : 0, 0, data, length) < 0) return -EIO;
   *heard = await_answer(mask);
   result = answer(&told, &room);
-  if (result >= 0) learn(&told.now);
-  may_be_later = result >= 0 && told.now.flags & NOW_WRITES && later != NULL &&
-                 last.length <= sizeof(last.data);
-  if (result >= 0 && room > sizeof(told.now)) {
-    ahead.length = room - (uint32_t)sizeof(told.now);
-    ahead.others = wire_others;
-    memcpy(ahead.data, told.states, ahead.length);
-  }
+  if (result < 0) return result;
+  learn(&told.now);
+  may_be_later = told.now.flags & NOW_WRITES && later != NULL && last.length <= sizeof(last.data);
+  if (room > sizeof(told.now))
+    lock_learn(states->name, 0, told.states, states->asked, (int)(room - sizeof(told.now)));
   return result;
 }
 
@@ -317,12 +318,7 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   return cause < 0 ? CAUSE_OUTSIDE : cause;
 }
 
-void lock_wake(const void *key, unsigned count) {
-  (void)lock_tell(WIRE_WAKE, (uint64_t)(uintptr_t)key, count);
-}
-
-static int sample(uint32_t *number) {
-  if (!lock_on()) return -EIO;
+int lock_sample(uint32_t *number) {
   int cause = lock_wait(WAIT_SAMPLE | LOCK_RESTARTS, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
   if (cause == CAUSE_SIGNAL) return -EINTR;
   if (cause == CAUSE_LATE) return -EIO;
@@ -378,11 +374,9 @@ void lock_begin_thread(unsigned number) {
 
 static void child_of_fork(void) {
   close_line(); /* the parent's */
-  ahead.length = 0;
+  known[0].length = known[1].length = 0;
   if (enabled) open_line(LINE_CHILD, 0);
 }
-
-void (*lock_at_start)(void);
 
 __attribute__((constructor(102))) static void attach(void) {
   if (getenv("MMCS_LOCKSTEP") == NULL) return;
@@ -390,10 +384,5 @@ __attribute__((constructor(102))) static void attach(void) {
   (void)pthread_key_create(&at_end, end_thread);
   (void)pthread_atfork(NULL, NULL, child_of_fork);
   open_line(LINE_PROGRAM, 0);
-  device_sample = sample;
-  device_states = states;
-  device_later = write_later;
-  wire_first = write_first;
-  wire_late = only_outside;
-  if (lock_at_start != NULL) lock_at_start();
+  lock_take_pipes();
 }

@@ -7,7 +7,6 @@
  */
 #define _GNU_SOURCE
 #include <dirent.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -22,16 +21,6 @@
 
 #include "include/sys/mmcs.h"
 #include "device.h"
-
-/* The size and direction that mcdef.h puts into a request number, as 4.2BSD did. */
-#define REQUEST_SIZE(r) (((r) >> 16) & 0x1FFFu)
-#define REQUEST_IN(r) (((r) & 0x80000000u) != 0)
-#define REQUEST_OUT(r) (((r) & 0x40000000u) != 0)
-
-size_t (*device_await)(int fd, short events);
-int (*device_sample)(uint32_t *number);
-int (*device_states)(const char name[WIRE_NAME], void *data, uint32_t length);
-int (*device_later)(const char name[WIRE_NAME], const void *data, uint32_t length);
 
 int device_is_path(const char *path) {
   if (path == NULL || strncmp(path, "/dev/", 5) != 0) return 0;
@@ -86,63 +75,44 @@ static const char *header_or(const char *path) {
 
 /* --- open ------------------------------------------------------------------------------ */
 
-#define OPEN_LIKE(name)                                                   \
-  int name(const char *path, int flags, ...) {                            \
-    va_list list;                                                         \
-    mode_t mode;                                                          \
-    va_start(list, flags);                                                \
-    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;  \
-    va_end(list);                                                         \
-    if (device_is_path(path)) return device_fail(wire_open(path, flags)); \
-    return NEXT(name)(header_or(path), flags, mode);                      \
-  }
-OPEN_LIKE(open)
-OPEN_LIKE(open64)
-
+int openat(int folder, const char *path, int flags, ...) {
+  va_list list;
+  mode_t mode;
+  va_start(list, flags);
+  mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;
+  va_end(list);
+  if (device_is_path(path)) return device_fail(wire_open(path, flags));
+  return REAL(openat)(folder, header_or(path), flags, mode);
+}
+int open(const char *path, int flags, ...) {
+  va_list list;
+  mode_t mode;
+  va_start(list, flags);
+  mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;
+  va_end(list);
+  return openat(AT_FDCWD, path, flags, mode);
+}
 int creat(const char *path, mode_t mode) {
   return open(path, O_CREAT | O_WRONLY | O_TRUNC, mode);
 }
-int creat64(const char *path, mode_t mode) {
-  return open64(path, O_CREAT | O_WRONLY | O_TRUNC, mode);
-}
-
-#define OPENAT_LIKE(name)                                                 \
-  int name(int folder, const char *path, int flags, ...) {                \
-    va_list list;                                                         \
-    mode_t mode;                                                          \
-    va_start(list, flags);                                                \
-    mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;  \
-    va_end(list);                                                         \
-    if (device_is_path(path)) return device_fail(wire_open(path, flags)); \
-    return NEXT(name)(folder, header_or(path), flags, mode);              \
-  }
-OPENAT_LIKE(openat)
-OPENAT_LIKE(openat64)
-
-/* What the fortified headers call. */
-int __open_2(const char *path, int flags);
-int __open_2(const char *path, int flags) {
-  return open(path, flags);
-}
-int __open64_2(const char *path, int flags);
-int __open64_2(const char *path, int flags) {
-  return open64(path, flags);
-}
+SAME(openat64, openat);
+SAME(open64, open);
+SAME(__open_2, open);
+SAME(__open64_2, open);
+SAME(creat64, creat);
 
 /* --- read, write, ioctl ---------------------------------------------------------------- */
 
 /* An answer is believed as far as its bytes have come, and no further than was asked for. */
 ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length) {
   char data[4096];
-  uint32_t room = sizeof(data);
-  int result;
-  if (length > sizeof(data)) length = sizeof(data);
-  result = device_states != NULL ? device_states(name, data, (uint32_t)length) : 0;
+  uint32_t room = (uint32_t)(length < sizeof(data) ? length : sizeof(data)), asked = room;
+  int result = lock_known(name, 0, data, asked);
   if (result > 0) return device_copy_out(buffer, data, (size_t)result) < 0 ? -EFAULT : result;
-  room = (uint32_t)length;
-  if (device_can_take(buffer, length) < 0) return -EFAULT;
-  result = wire_call(WIRE_READ, name, length, 0, NULL, 0, data, &room);
+  if (device_can_take(buffer, asked) < 0) return -EFAULT;
+  result = wire_call(WIRE_READ, name, asked, 0, NULL, 0, data, &room);
   if (result > 0 && (uint32_t)result != room) return -EIO;
+  lock_learn(name, 0, data, asked, result);
   if (result > 0 && device_copy_out(buffer, data, room) < 0) return -EFAULT;
   return result;
 }
@@ -152,7 +122,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
   int result;
   if (length > sizeof(data)) return -EINVAL;
   if (device_copy_in(data, buffer, length) < 0) return -EFAULT;
-  if (device_later != NULL && device_later(name, data, (uint32_t)length)) return (ssize_t)length;
+  if (lock_write_later(name, data, (uint32_t)length)) return (ssize_t)length;
   result = wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL);
   return result > (int)length ? -EIO : result;
 }
@@ -160,7 +130,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
 ssize_t read(int fd, void *buffer, size_t length) {
   char name[WIRE_NAME];
   if (!wire_is_file(fd, name)) {
-    if (device_await != NULL) (void)device_await(fd, POLLIN);
+    (void)lock_await(fd, POLLIN);
     return syscall(SYS_read, fd, buffer, length);
   }
   return device_fail((int)device_read(name, buffer, length));
@@ -174,8 +144,7 @@ ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size) {
 
 static ssize_t write_elsewhere(int fd, const char *from, size_t length) {
   for (size_t done = 0;;) {
-    size_t most = device_await != NULL ? device_await(fd, POLLOUT) : length;
-    size_t part = length - done < most ? length - done : most;
+    size_t most = lock_await(fd, POLLOUT), part = length - done < most ? length - done : most;
     ssize_t n = syscall(SYS_write, fd, from + done, part);
     if (n < 0 && done == 0) return n;
     if (n > 0) done += (size_t)n;
@@ -189,51 +158,28 @@ ssize_t write(int fd, const void *buffer, size_t length) {
   return device_fail((int)device_write(name, buffer, length));
 }
 
-static int lease(const char name[WIRE_NAME], const int *argument) {
-  int take;
-  if (device_copy_in(&take, argument, sizeof(take)) < 0) return -EFAULT;
-  if (take != 0 && take != 1) return -EINVAL;
-  return wire_call(WIRE_LEASE, name, (uint64_t)take, 0, NULL, 0, NULL, NULL);
-}
-
-/* DRV-4: read() never blocks, this does. */
-static int next_sample(const char name[WIRE_NAME], int *argument) {
-  struct wire_now now = {0};
-  uint32_t room = sizeof(now);
-  int result;
-  if (device_can_take(argument, sizeof(*argument)) < 0) return -EFAULT;
-  if (device_sample != NULL) {
-    result = device_sample(&now.sample);
-  } else {
-    result = wire_call(WIRE_SAMPLE, name, 0, 0, NULL, 0, &now, &room);
-  }
-  return result < 0 ? result : device_copy_out(argument, &now.sample, sizeof(*argument));
-}
-
-/* A call that is refused here, for a bad pointer say, has no sentence but its errno's. */
-static int why(const char name[WIRE_NAME], char *argument) {
-  char text[1024] = {0};
-  uint32_t room = sizeof(text);
-  int result;
-  if (device_can_take(argument, MWHY_SIZE) < 0) return -EFAULT;
-  result = wire_call(WIRE_WHY, name, 0, 0, NULL, 0, text, &room);
-  text[MWHY_SIZE - 1] = 0;
-  return result < 0 ? result : device_copy_out(argument, text, MWHY_SIZE);
+/* MWAIT in lock-step. Elsewhere it is a request as any, which the server answers late. */
+static int await_sample(int *argument) {
+  uint32_t number;
+  int result = lock_sample(&number);
+  return result < 0 ? result : device_copy_out(argument, &number, sizeof(number));
 }
 
 static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
   char in[256] = {0}, out[256];
   uint32_t size = REQUEST_SIZE(request), room = size;
+  const int only_out = REQUEST_OUT(request) && !REQUEST_IN(request) && request != MWHY;
   int result;
-  if (request == MLEASE) return lease(name, argument);
-  if (request == MWHY) return why(name, argument);
-  if (request == MWAIT) return next_sample(name, argument);
   if (size > sizeof(in)) return -ENOTTY;
   if (size > 0 && device_copy_in(in, argument, size) < 0) return -EFAULT;
   if (REQUEST_OUT(request) && device_can_take(argument, size) < 0) return -EFAULT;
+  if (request == MWAIT && lock_on()) return await_sample(argument);
+  if (only_out && lock_known(name, request, out, size) > 0)
+    return device_copy_out(argument, out, size);
   result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
   if (result < 0 || !REQUEST_OUT(request)) return result;
   if (room != size) return -EIO;
+  if (only_out && result == 0) lock_learn(name, request, out, size, (int)size);
   return device_copy_out(argument, out, size) < 0 ? -EFAULT : result;
 }
 
@@ -276,22 +222,20 @@ int device_is_vme(const char name[WIRE_NAME]) {
 }
 
 /* The socket is open both ways; all other flags are the kernel's business. */
-#define FCNTL_LIKE(name)                                                             \
-  int name(int fd, int command, ...) {                                               \
-    char file[WIRE_NAME];                                                            \
-    va_list list;                                                                    \
-    void *argument;                                                                  \
-    int result, held;                                                                \
-    va_start(list, command);                                                         \
-    argument = va_arg(list, void *);                                                 \
-    va_end(list);                                                                    \
-    result = (int)syscall(SYS_fcntl, fd, command, argument);                         \
-    if (result < 0 || command != F_GETFL || !wire_is_file(fd, file)) return result;  \
-    held = hold_file(file);                                                          \
-    return held < 0 ? device_fail(held) : ((result & ~O_ACCMODE) | (held >> 1 & 3)); \
-  }
-FCNTL_LIKE(fcntl)
-FCNTL_LIKE(fcntl64)
+int fcntl(int fd, int command, ...) {
+  char file[WIRE_NAME];
+  va_list list;
+  void *argument;
+  int result, held;
+  va_start(list, command);
+  argument = va_arg(list, void *);
+  va_end(list);
+  result = (int)syscall(SYS_fcntl, fd, command, argument);
+  if (result < 0 || command != F_GETFL || !wire_is_file(fd, file)) return result;
+  held = hold_file(file);
+  return held < 0 ? device_fail(held) : ((result & ~O_ACCMODE) | (held >> 1 & 3));
+}
+SAME(fcntl64, fcntl);
 
 static void hold(int fd, const char name[WIRE_NAME], void *arg) {
   (void)fd;
@@ -320,9 +264,7 @@ void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offs
   return MAP_FAILED;
 }
 
-void *mmap64(void *address, size_t length, int prot, int flags, int fd, off64_t offset) {
-  return mmap(address, length, prot, flags, fd, offset);
-}
+SAME(mmap64, mmap);
 
 int munmap(void *address, size_t length) {
   if (vme_unmap(address, length)) return 0;

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "lockstep.h"
+#include "device.h"
 
 /* How many threads of this process wait with a key: most wakes wake nobody and go unsaid. */
 #define PLACES 1024
@@ -39,7 +39,7 @@ static int wait_for(const void *key, uint64_t until) {
 }
 
 static void wake(const void *key, unsigned count) {
-  if (*place_of(key) > 0 && lock_on()) lock_wake(key, count);
+  if (*place_of(key) > 0 && lock_on()) (void)lock_tell(WIRE_WAKE, (uint64_t)(uintptr_t)key, count);
 }
 
 /* --- threads --------------------------------------------------------------------------- */
@@ -57,11 +57,12 @@ static void *run_thread(void *given) {
   return start.run(start.argument);
 }
 
-int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *arg) {
+CALL(int, pthread_create,
+     (pthread_t * thread, const pthread_attr_t *how, void *(*run)(void *), void *arg),
+     (thread, how, run, arg)) {
   static unsigned made; /* in the order of their creation they run */
   struct start *start;
   int result;
-  if (!lock_on()) return REAL(pthread_create)(thread, how, run, arg);
   start = malloc(sizeof(*start));
   if (start == NULL) return EAGAIN;
   *start = (struct start){run, arg, ++made};
@@ -83,9 +84,9 @@ int pthread_join(pthread_t thread, void **result) {
   return REAL(pthread_join)(thread, result);
 }
 
-int pthread_clockjoin_np(pthread_t thread, void **result, clockid_t clock,
-                         const struct timespec *at) {
-  if (!lock_on()) return REAL(pthread_clockjoin_np)(thread, result, clock, at);
+CALL(int, pthread_clockjoin_np,
+     (pthread_t thread, void **result, clockid_t clock, const struct timespec *at),
+     (thread, result, clock, at)) {
   if (at != NULL && await_thread(thread, lock_until(clock, at)) != 0) return ETIMEDOUT;
   return pthread_join(thread, result);
 }
@@ -107,46 +108,34 @@ int pthread_timedjoin_np(pthread_t thread, void **result, const struct timespec 
     r_;                                       \
   })
 
+/* A mutex that its owner takes again. */
 static int is_own(const pthread_mutex_t *m) {
   return (m->__data.__kind & 3) == PTHREAD_MUTEX_ERRORCHECK_NP && m->__data.__owner == gettid();
 }
+static int is_not_own(const pthread_rwlock_t *l) {
+  return (void)l, 0;
+}
 
-int pthread_mutex_clocklock(pthread_mutex_t *m, clockid_t clock, const struct timespec *at) {
-  if (!lock_on()) return REAL(pthread_mutex_clocklock)(m, clock, at);
-  if (is_own(m)) return EDEADLK;
-  return UNTIL_FREE(pthread_mutex_trylock(m), EBUSY, m, lock_until(clock, at));
-}
-int pthread_mutex_timedlock(pthread_mutex_t *m, const struct timespec *at) {
-  if (!lock_on()) return REAL(pthread_mutex_timedlock)(m, at);
-  return pthread_mutex_clocklock(m, CLOCK_REALTIME, at);
-}
-int pthread_mutex_lock(pthread_mutex_t *m) {
-  if (!lock_on()) return REAL(pthread_mutex_lock)(m);
-  if (is_own(m)) return EDEADLK;
-  return UNTIL_FREE(pthread_mutex_trylock(m), EBUSY, m, WIRE_NEVER);
-}
+/* Without an end, until a time of a clock, and of the real-time clock. */
+#define LOCK(of, kind, own)                                                                     \
+  CALL(int, of##_##kind##lock, (of##_t * l), (l)) {                                             \
+    return own(l) ? EDEADLK : UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, WIRE_NEVER);        \
+  }                                                                                             \
+  CALL(int, of##_clock##kind##lock, (of##_t * l, clockid_t c, const struct timespec *at),       \
+       (l, c, at)) {                                                                            \
+    return own(l) ? EDEADLK : UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, lock_until(c, at)); \
+  }                                                                                             \
+  int of##_timed##kind##lock(of##_t *l, const struct timespec *at) {                            \
+    return of##_clock##kind##lock(l, CLOCK_REALTIME, at);                                       \
+  }
+LOCK(pthread_mutex, , is_own)
+LOCK(pthread_rwlock, rd, is_not_own)
+LOCK(pthread_rwlock, wr, is_not_own)
 int pthread_mutex_unlock(pthread_mutex_t *m) {
   int result = REAL(pthread_mutex_unlock)(m);
   wake(m, 1);
   return result;
 }
-
-#define RWLOCK(kind)                                                                     \
-  int pthread_rwlock_##kind##lock(pthread_rwlock_t *l) {                                 \
-    if (!lock_on()) return REAL(pthread_rwlock_##kind##lock)(l);                         \
-    return UNTIL_FREE(pthread_rwlock_try##kind##lock(l), EBUSY, l, WIRE_NEVER);          \
-  }                                                                                      \
-  int pthread_rwlock_clock##kind##lock(pthread_rwlock_t *l, clockid_t c,                 \
-                                       const struct timespec *at) {                      \
-    if (!lock_on()) return REAL(pthread_rwlock_clock##kind##lock)(l, c, at);             \
-    return UNTIL_FREE(pthread_rwlock_try##kind##lock(l), EBUSY, l, lock_until(c, at));   \
-  }                                                                                      \
-  int pthread_rwlock_timed##kind##lock(pthread_rwlock_t *l, const struct timespec *at) { \
-    if (!lock_on()) return REAL(pthread_rwlock_timed##kind##lock)(l, at);                \
-    return pthread_rwlock_clock##kind##lock(l, CLOCK_REALTIME, at);                      \
-  }
-RWLOCK(rd)
-RWLOCK(wr)
 int pthread_rwlock_unlock(pthread_rwlock_t *l) {
   int result = REAL(pthread_rwlock_unlock)(l);
   wake(l, UINT32_MAX);
@@ -173,14 +162,14 @@ static int take(sem_t *s, uint64_t until) {
   }
   return 0;
 }
-int sem_wait(sem_t *s) {
-  return lock_on() ? take(s, WIRE_NEVER) : REAL(sem_wait)(s);
+CALL(int, sem_wait, (sem_t * s), (s)) {
+  return take(s, WIRE_NEVER);
+}
+CALL(int, sem_clockwait, (sem_t * s, clockid_t clock, const struct timespec *at), (s, clock, at)) {
+  return take(s, lock_until(clock, at));
 }
 int sem_timedwait(sem_t *s, const struct timespec *at) {
-  return lock_on() ? take(s, lock_until(CLOCK_REALTIME, at)) : REAL(sem_timedwait)(s, at);
-}
-int sem_clockwait(sem_t *s, clockid_t clock, const struct timespec *at) {
-  return lock_on() ? take(s, lock_until(clock, at)) : REAL(sem_clockwait)(s, clock, at);
+  return sem_clockwait(s, CLOCK_REALTIME, at);
 }
 int sem_post(sem_t *s) {
   int result = REAL(sem_post)(s);
@@ -190,13 +179,11 @@ int sem_post(sem_t *s) {
 
 /* --- conditions, barriers -------------------------------------------------------------- */
 
-int pthread_cond_signal(pthread_cond_t *c) {
-  if (!lock_on()) return REAL(pthread_cond_signal)(c);
+CALL(int, pthread_cond_signal, (pthread_cond_t * c), (c)) {
   wake(c, 1);
   return 0;
 }
-int pthread_cond_broadcast(pthread_cond_t *c) {
-  if (!lock_on()) return REAL(pthread_cond_broadcast)(c);
+CALL(int, pthread_cond_broadcast, (pthread_cond_t * c), (c)) {
   wake(c, UINT32_MAX);
   return 0;
 }
@@ -212,15 +199,15 @@ static int await_condition(pthread_cond_t *c, pthread_mutex_t *m, uint64_t until
 int pthread_cond_wait(pthread_cond_t *c, pthread_mutex_t *m) {
   return lock_on() ? await_condition(c, m, WIRE_NEVER) : REAL(pthread_cond_wait)(c, m);
 }
-int pthread_cond_clockwait(pthread_cond_t *c, pthread_mutex_t *m, clockid_t clock,
-                           const struct timespec *at) {
-  if (!lock_on()) return REAL(pthread_cond_clockwait)(c, m, clock, at);
+CALL(int, pthread_cond_clockwait,
+     (pthread_cond_t * c, pthread_mutex_t *m, clockid_t clock, const struct timespec *at),
+     (c, m, clock, at)) {
   return await_condition(c, m, lock_until(clock, at));
 }
 /* The clock that pthread_condattr_setclock() gave stands in bit 1 of this word. */
-int pthread_cond_timedwait(pthread_cond_t *c, pthread_mutex_t *m, const struct timespec *at) {
+CALL(int, pthread_cond_timedwait,
+     (pthread_cond_t * c, pthread_mutex_t *m, const struct timespec *at), (c, m, at)) {
   int monotonic = (c->__data.__wrefs & 2) != 0;
-  if (!lock_on()) return REAL(pthread_cond_timedwait)(c, m, at);
   return await_condition(c, m, lock_until(monotonic ? CLOCK_MONOTONIC : CLOCK_REALTIME, at));
 }
 
@@ -230,18 +217,18 @@ struct barrier {
 };
 _Static_assert(sizeof(struct barrier) <= sizeof(pthread_barrier_t), "it fits");
 
-int pthread_barrier_init(pthread_barrier_t *b, const pthread_barrierattr_t *how, unsigned count) {
-  if (!lock_on()) return REAL(pthread_barrier_init)(b, how, count);
+CALL(int, pthread_barrier_init,
+     (pthread_barrier_t * b, const pthread_barrierattr_t *how, unsigned count), (b, how, count)) {
+  (void)how;
   *(struct barrier *)(void *)b = (struct barrier){count, 0, 0};
   return count > 0 ? 0 : EINVAL;
 }
 int pthread_barrier_destroy(pthread_barrier_t *b) {
   return lock_on() ? 0 : REAL(pthread_barrier_destroy)(b);
 }
-int pthread_barrier_wait(pthread_barrier_t *given) {
+CALL(int, pthread_barrier_wait, (pthread_barrier_t * given), (given)) {
   struct barrier *b = (struct barrier *)(void *)given;
   unsigned turn = b->turn;
-  if (!lock_on()) return REAL(pthread_barrier_wait)(given);
   if (++b->arrived == b->count) {
     b->arrived = 0;
     b->turn++;

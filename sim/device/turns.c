@@ -102,8 +102,13 @@ static void join(struct process *p) {
   }
 }
 
+/* Descriptors may be ready, to be looked at. */
+static void look(struct line *l) {
+  if (wants(l, WAIT_FILES)) ready(l, CAUSE_WOKEN);
+}
+
 static void others_ran(struct turns *t, const struct line *but) {
-  EACH_LINE(t, p, l) if (l != but && wants(l, WAIT_FILES)) l->look = 1;
+  EACH_LINE(t, p, l) if (l != but) look(l);
 }
 
 static void drop(struct turns *t, struct process *p, struct line *l) {
@@ -203,7 +208,6 @@ void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
   struct process *p = l->process;
   l->wait = *wait;
   l->state = WAITS;
-  l->look = 0;
   l->patience = last_moment(t);
   if (t->running == l) t->running = NULL;
   if (!(wait->what & WAIT_AGAIN)) others_ran(t, l);
@@ -252,7 +256,7 @@ static void tell_of_silence(struct turns *t) {
 static struct line *next_line(const struct turns *t) {
   struct line *first = NULL;
   EACH_LINE(t, p, l) {
-    if (l->state != READY && !l->look) continue;
+    if (l->state != READY) continue;
     if (p->number > t->last_process || (p->number == t->last_process && l->number > t->last_line))
       return l;
     if (first == NULL) first = l;
@@ -261,21 +265,18 @@ static struct line *next_line(const struct turns *t) {
 }
 
 static void release(struct turns *t, struct line *l) {
-  const enum wire_cause cause = l->state == READY ? l->cause : CAUSE_WOKEN;
   l->state = RUNS;
-  l->look = 0;
-  l->outside = cause == CAUSE_OUTSIDE;
+  l->outside = l->cause == CAUSE_OUTSIDE;
   t->running = l;
   t->last_process = l->process->number;
   t->last_line = l->number;
   begin(t);
-  go_on(t, l, cause);
+  go_on(t, l, l->cause);
 }
 
 void turns_look(struct turns *t, int pid) {
   const struct process *p = process_of(t, pid);
-  for (struct line *l = p != NULL ? p->lines : NULL; l != NULL; l = l->next)
-    l->look = wants(l, WAIT_FILES);
+  for (struct line *l = p != NULL ? p->lines : NULL; l != NULL; l = l->next) look(l);
 }
 
 void turns_passed(struct turns *t, int sampled) {
@@ -290,7 +291,7 @@ void turns_passed(struct turns *t, int sampled) {
         (l->state == WAITS || l->cause == CAUSE_SIGNAL))
       ready(l, CAUSE_DUE);
     if (wants(l, WAIT_SAMPLE) && clock > l->patience) ready(l, CAUSE_LATE);
-    if (l->state != RUNS && l->outside && what & WAIT_FILES) l->look = 1;
+    if (l->outside) look(l);
   }
 }
 

@@ -24,7 +24,6 @@ struct line {
   struct wire_wait wait;
   uint64_t states;  /* bytes of states that it would read next */
   int64_t patience; /* the clock until which it waits for a sample */
-  int look;         /* others have run since it looked at its descriptors */
   int outside;      /* no attached process has the other ends of those */
 };
 

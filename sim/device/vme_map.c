@@ -11,7 +11,6 @@
  * program that maps registers into several threads must serialise its accesses.
  */
 #define _GNU_SOURCE
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -48,15 +47,6 @@ static __thread struct {
   uintptr_t pc;
   sigset_t mask;
 } step;
-
-static int next_sigaction(int number, const struct sigaction *act, struct sigaction *old) {
-  static int (*next)(int, const struct sigaction *, struct sigaction *);
-  if (next == NULL) {
-    void *symbol = dlsym(RTLD_NEXT, "sigaction");
-    memcpy(&next, &symbol, sizeof(next));
-  }
-  return next(number, act, old);
-}
 
 #if defined(__x86_64__)
 #include <ucontext.h>
@@ -125,7 +115,7 @@ static void pass_on(int number, siginfo_t *info, void *context) {
     act->sa_handler(number);
   } else {
     struct sigaction plain = {.sa_handler = SIG_DFL};
-    (void)next_sigaction(number, &plain, NULL);
+    (void)REAL(sigaction)(number, &plain, NULL);
     (void)raise(number);
   }
 }
@@ -206,10 +196,10 @@ static void catch_faults(void) {
   if (caught) return;
   caught = 1;
   act.sa_sigaction = on_fault;
-  (void)next_sigaction(SIGSEGV, &act, &user[SIGSEGV]);
-  (void)next_sigaction(SIGBUS, &act, &user[SIGBUS]);
+  (void)REAL(sigaction)(SIGSEGV, &act, &user[SIGSEGV]);
+  (void)REAL(sigaction)(SIGBUS, &act, &user[SIGBUS]);
   act.sa_sigaction = on_step;
-  (void)next_sigaction(SIGTRAP, &act, &user[SIGTRAP]);
+  (void)REAL(sigaction)(SIGTRAP, &act, &user[SIGTRAP]);
 }
 #endif
 
@@ -218,7 +208,7 @@ static int is_ours(int number) {
 }
 
 int sigaction(int number, const struct sigaction *act, struct sigaction *old) {
-  if (!is_ours(number)) return next_sigaction(number, act, old);
+  if (!is_ours(number)) return REAL(sigaction)(number, act, old);
   if (old != NULL) *old = user[number];
   if (act != NULL) user[number] = *act;
   return 0;

@@ -19,7 +19,7 @@
 #include <threads.h>
 #include <unistd.h>
 
-#include "lockstep.h"
+#include "device.h"
 
 #undef fd_set
 
@@ -43,28 +43,26 @@ static int is_time(const struct timespec *at) {
   return at->tv_sec >= 0 && at->tv_nsec >= 0 && at->tv_nsec < SECOND;
 }
 
-int clock_nanosleep(clockid_t clock, int flags, const struct timespec *at, struct timespec *left) {
-  if (!lock_on()) return REAL(clock_nanosleep)(clock, flags, at, left);
+CALL(int, clock_nanosleep,
+     (clockid_t clock, int flags, const struct timespec *at, struct timespec *left),
+     (clock, flags, at, left)) {
   if (!is_time(at)) return EINVAL;
   if (flags & TIMER_ABSTIME) return sleep_until(lock_until(clock, at), NULL);
   return sleep_until(lock_after(lock_ns(at)), left);
 }
 
-int nanosleep(const struct timespec *at, struct timespec *left) {
-  if (!lock_on()) return REAL(nanosleep)(at, left);
+CALL(int, nanosleep, (const struct timespec *at, struct timespec *left), (at, left)) {
   errno = clock_nanosleep(CLOCK_MONOTONIC, 0, at, left);
   return errno == 0 ? 0 : -1;
 }
 
 int usleep(useconds_t us) {
   struct timespec at = {us / 1000000, us % 1000000 * 1000};
-  if (!lock_on()) return REAL(usleep)(us);
   return nanosleep(&at, NULL);
 }
 
 unsigned sleep(unsigned seconds) {
   struct timespec at = {seconds, 0}, left = {0};
-  if (!lock_on()) return REAL(sleep)(seconds);
   return nanosleep(&at, &left) == 0 ? 0 : (unsigned)left.tv_sec + (left.tv_nsec > 0);
 }
 
@@ -72,31 +70,28 @@ int thrd_sleep(const struct timespec *at, struct timespec *left) {
   return nanosleep(at, left);
 }
 
-int sched_yield(void) {
-  if (!lock_on()) return REAL(sched_yield)();
+CALL(int, sched_yield, (void), ()) {
   (void)lock_wait(WAIT_DEAF, 0, NULL, NULL, 0, NULL, 0);
   return 0;
 }
 
 /* --- signals --------------------------------------------------------------------------- */
 
-int pause(void) {
-  if (!lock_on()) return REAL(pause)();
+CALL(int, pause, (void), ()) {
   (void)lock_wait(0, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
   return interrupted();
 }
 
-int sigsuspend(const sigset_t *mask) {
-  if (!lock_on()) return REAL(sigsuspend)(mask);
+CALL(int, sigsuspend, (const sigset_t *mask), (mask)) {
   (void)lock_wait(0, WIRE_NEVER, NULL, NULL, 0, mask, 0);
   return interrupted();
 }
 
-int sigtimedwait(const sigset_t *set, siginfo_t *info, const struct timespec *timeout) {
+CALL(int, sigtimedwait, (const sigset_t *set, siginfo_t *info, const struct timespec *timeout),
+     (set, info, timeout)) {
   static const struct timespec none = {0};
   uint64_t until;
   sigset_t mask;
-  if (!lock_on()) return REAL(sigtimedwait)(set, info, timeout);
   until = timeout != NULL ? lock_after(lock_ns(timeout)) : WIRE_NEVER;
   pthread_sigmask(SIG_SETMASK, NULL, &mask);
   for (int n = 1; n < 65; n++)
@@ -111,12 +106,11 @@ int sigtimedwait(const sigset_t *set, siginfo_t *info, const struct timespec *ti
 }
 
 int sigwaitinfo(const sigset_t *set, siginfo_t *info) {
-  return lock_on() ? sigtimedwait(set, info, NULL) : REAL(sigwaitinfo)(set, info);
+  return sigtimedwait(set, info, NULL);
 }
 
-int sigwait(const sigset_t *set, int *number) {
+CALL(int, sigwait, (const sigset_t *set, int *number), (set, number)) {
   int got;
-  if (!lock_on()) return REAL(sigwait)(set, number);
   do got = sigtimedwait(set, NULL, NULL);
   while (got < 0 && errno == EINTR);
   *number = got;
@@ -140,8 +134,11 @@ static int is_over(uint64_t until) {
   return 1;
 }
 
-static int ppoll_once(struct pollfd *fds, nfds_t n, uint64_t until, const sigset_t *mask) {
+CALL(int, ppoll,
+     (struct pollfd * fds, nfds_t n, const struct timespec *timeout, const sigset_t *mask),
+     (fds, n, timeout, mask)) {
   static const struct timespec none = {0};
+  const uint64_t until = timeout != NULL ? lock_after(lock_ns(timeout)) : WIRE_NEVER;
   int files[64];
   unsigned count = 0, what;
   for (nfds_t i = 0; i < n && count < 64; i++)
@@ -155,16 +152,10 @@ static int ppoll_once(struct pollfd *fds, nfds_t n, uint64_t until, const sigset
   }
 }
 
-int ppoll(struct pollfd *fds, nfds_t n, const struct timespec *timeout, const sigset_t *mask) {
-  if (!lock_on()) return REAL(ppoll)(fds, n, timeout, mask);
-  return ppoll_once(fds, n, timeout != NULL ? lock_after(lock_ns(timeout)) : WIRE_NEVER, mask);
-}
-
 int poll(struct pollfd *fds, nfds_t n, int ms) {
-  if (!lock_on()) return REAL(poll)(fds, n, ms);
-  return ppoll_once(fds, n, ms < 0 ? WIRE_NEVER : lock_after((uint64_t)ms * 1000000), NULL);
+  const struct timespec timeout = lock_span((uint64_t)ms * 1000000);
+  return ppoll(fds, n, ms < 0 ? NULL : &timeout, NULL);
 }
-
 int __poll_chk(struct pollfd *fds, nfds_t n, int ms, size_t size);
 int __poll_chk(struct pollfd *fds, nfds_t n, int ms, size_t size) {
   if (size / sizeof(*fds) < n) abort();
@@ -193,10 +184,10 @@ static int select_until(int n, fd_set *in, fd_set *out, fd_set *bad, uint64_t un
   }
 }
 
-int select(int n, fd_set *in, fd_set *out, fd_set *bad, struct timeval *timeout) {
+CALL(int, select, (int n, fd_set *in, fd_set *out, fd_set *bad, struct timeval *timeout),
+     (n, in, out, bad, timeout)) {
   uint64_t until = WIRE_NEVER, now;
   int ready;
-  if (!lock_on()) return REAL(select)(n, in, out, bad, timeout);
   if (timeout != NULL)
     until = lock_after((uint64_t)timeout->tv_sec * SECOND + (uint64_t)timeout->tv_usec * 1000);
   ready = select_until(n, in, out, bad, until, NULL);
@@ -208,16 +199,16 @@ int select(int n, fd_set *in, fd_set *out, fd_set *bad, struct timeval *timeout)
   return ready;
 }
 
-int pselect(int n, fd_set *in, fd_set *out, fd_set *bad, const struct timespec *timeout,
-            const sigset_t *mask) {
-  if (!lock_on()) return REAL(pselect)(n, in, out, bad, timeout, mask);
+CALL(int, pselect,
+     (int n, fd_set *in, fd_set *out, fd_set *bad, const struct timespec *timeout,
+      const sigset_t *mask),
+     (n, in, out, bad, timeout, mask)) {
   return select_until(n, in, out, bad, timeout ? lock_after(lock_ns(timeout)) : WIRE_NEVER, mask);
 }
 
-int epoll_pwait(int fd, struct epoll_event *events, int most, int ms, const sigset_t *mask) {
-  uint64_t until;
-  if (!lock_on()) return REAL(epoll_pwait)(fd, events, most, ms, mask);
-  until = ms < 0 ? WIRE_NEVER : lock_after((uint64_t)ms * 1000000);
+CALL(int, epoll_pwait, (int fd, struct epoll_event *events, int most, int ms, const sigset_t *mask),
+     (fd, events, most, ms, mask)) {
+  const uint64_t until = ms < 0 ? WIRE_NEVER : lock_after((uint64_t)ms * 1000000);
   for (unsigned what = WAIT_FILES;; what |= WAIT_AGAIN) {
     int cause, ready = REAL(epoll_pwait)(fd, events, most, 0, NULL);
     if (ready != 0 || is_over(until)) return ready;
@@ -228,7 +219,6 @@ int epoll_pwait(int fd, struct epoll_event *events, int most, int ms, const sigs
 }
 
 int epoll_wait(int fd, struct epoll_event *events, int most, int ms) {
-  if (!lock_on()) return REAL(epoll_wait)(fd, events, most, ms);
   return epoll_pwait(fd, events, most, ms, NULL);
 }
 
@@ -243,7 +233,7 @@ static int takes_parts(int fd) {
 }
 
 /* A blocking descriptor that would block. Signals are seen to when the call itself is made. */
-static size_t await_ready(int fd, short events) {
+size_t lock_await(int fd, short events) {
   struct pollfd one = {.fd = fd, .events = events};
   static const struct timespec none = {0};
   int flags = lock_on() ? fcntl(fd, F_GETFL) : O_NONBLOCK, saved = errno;
@@ -258,64 +248,32 @@ static size_t await_ready(int fd, short events) {
   return most;
 }
 
-static void await_socket(int fd, int flags) {
-  char name[WIRE_NAME];
-  if (!(flags & MSG_DONTWAIT) && lock_on() && !wire_is_file(fd, name))
-    (void)await_ready(fd, POLLIN);
-}
-
-ssize_t recv(int fd, void *to, size_t length, int flags) {
-  await_socket(fd, flags);
-  return REAL(recv)(fd, to, length, flags);
-}
-
-ssize_t recvfrom(int fd, void *restrict to, size_t length, int flags,
-                 struct sockaddr *restrict from, socklen_t *restrict size) {
-  await_socket(fd, flags);
-  return REAL(recvfrom)(fd, to, length, flags, from, size);
-}
-
-ssize_t recvmsg(int fd, struct msghdr *message, int flags) {
-  await_socket(fd, flags);
-  return REAL(recvmsg)(fd, message, flags);
-}
-
-int accept(int fd, struct sockaddr *restrict from, socklen_t *restrict size) {
-  await_socket(fd, 0);
-  return REAL(accept)(fd, from, size);
-}
-
-int accept4(int fd, struct sockaddr *restrict from, socklen_t *restrict size, int flags) {
-  await_socket(fd, 0);
-  return REAL(accept4)(fd, from, size, flags);
-}
-
-/* A pipe as standard input or output: the C library would read and write it past us. */
-static ssize_t pipe_read(void *fd, char *to, size_t length) {
-  return read((int)(intptr_t)fd, to, length);
-}
-static ssize_t pipe_write(void *fd, const char *from, size_t length) {
-  ssize_t n = write((int)(intptr_t)fd, from, length);
-  return n < 0 ? 0 : n;
-}
+/* A call that takes from a socket, once there is something. */
+#define TAKES(result, name, parameters, arguments, flags)                             \
+  CALL(result, name, parameters, arguments) {                                         \
+    char file[WIRE_NAME];                                                             \
+    if (!((flags) & MSG_DONTWAIT) && !wire_is_file(fd, file)) lock_await(fd, POLLIN); \
+    return REAL(name) arguments;                                                      \
+  }
+TAKES(ssize_t, recv, (int fd, void *to, size_t size, int flags), (fd, to, size, flags), flags)
+TAKES(ssize_t, recvfrom,
+      (int fd, void *restrict to, size_t size, int flags, struct sockaddr *restrict from,
+       socklen_t *restrict length),
+      (fd, to, size, flags, from, length), flags)
+TAKES(ssize_t, recvmsg, (int fd, struct msghdr *to, int flags), (fd, to, flags), flags)
+TAKES(int, accept, (int fd, struct sockaddr *restrict from, socklen_t *restrict length),
+      (fd, from, length), 0)
+TAKES(int, accept4, (int fd, struct sockaddr *restrict from, socklen_t *restrict length, int flags),
+      (fd, from, length, flags), 0)
 
 static void replace(FILE **stream, int fd, const char *mode) {
-  static const cookie_io_functions_t calls = {pipe_read, pipe_write, NULL, NULL};
   struct stat status;
-  FILE *made;
-  if (fstat(fd, &status) < 0 || !S_ISFIFO(status.st_mode)) return;
-  made = fopencookie((void *)(intptr_t)fd, mode, calls);
-  if (made == NULL) return;
-  made->_fileno = fd;
-  *stream = made;
+  FILE *made = NULL;
+  if (fstat(fd, &status) == 0 && S_ISFIFO(status.st_mode)) made = device_stream(fd, mode);
+  if (made != NULL) *stream = made;
 }
 
-extern void (*lock_at_start)(void);
-static void take_pipes(void) {
-  device_await = await_ready;
+void lock_take_pipes(void) {
   replace(&stdin, 0, "r");
   replace(&stdout, 1, "w");
-}
-__attribute__((constructor(101))) static void offer(void) {
-  lock_at_start = take_pipes;
 }

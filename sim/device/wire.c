@@ -5,7 +5,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -33,25 +32,6 @@ static const char *socket_path(void) {
   return server_path[0] != '\0' ? server_path : NULL;
 }
 
-/* The preload library interposes read, write and close; these go straight to the kernel. */
-int wire_send(int fd, const void *data, size_t length) {
-  const char *at = data;
-  while (length > 0) {
-    ssize_t n = syscall(SYS_sendto, fd, at, length, MSG_NOSIGNAL, NULL, 0);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return -EIO;
-    at += n;
-    length -= (size_t)n;
-  }
-  return 0;
-}
-
-/* Whether no answer comes within so many ms: the server is stopped or busy otherwise. */
-static int is_late(int fd, int ms) {
-  struct pollfd wait = {.fd = fd, .events = POLLIN};
-  return syscall(SYS_poll, &wait, 1, ms) == 0;
-}
-
 /* getpid() without a call of the kernel, which clears the page in the child of a fork. */
 pid_t wire_pid(void) {
   static pid_t *page;
@@ -64,49 +44,60 @@ pid_t wire_pid(void) {
   return *page;
 }
 
-const sigset_t *(*wire_late)(const sigset_t *before);
+/* Takes so many bytes off the front; the parts that are left. */
+static void advance(struct msghdr *message, size_t bytes) {
+  for (size_t i = 0; i < message->msg_iovlen; i++) {
+    struct iovec *part = &message->msg_iov[i];
+    size_t of = bytes < part->iov_len ? bytes : part->iov_len;
+    part->iov_base = (char *)part->iov_base + of;
+    part->iov_len -= of;
+    bytes -= of;
+  }
+}
 
-/* `before` is the program's signal mask. Signals wait for a short time only: the alarm of a program
- * whose server does not answer must reach it. A handler that says so has the call end by EINTR. */
-static int receive_all(int fd, void *data, size_t length, int wait_ms, const sigset_t *before) {
-  char *at = data;
-  while (length > 0) {
-    int late = is_late(fd, wait_ms), error;
-    sigset_t own;
-    ssize_t n;
-    if (late) pthread_sigmask(SIG_SETMASK, wire_late != NULL ? wire_late(before) : before, &own);
-    n = syscall(SYS_recvfrom, fd, at, length, 0, NULL, NULL);
-    error = errno;
-    if (late) pthread_sigmask(SIG_SETMASK, &own, NULL);
-    if (n < 0 && error == EINTR) return -EINTR;
-    if (n < 0 && error == EAGAIN) continue; /* LATE_MS have passed */
-    if (n <= 0) return -EIO;
-    at += n;
-    length -= (size_t)n;
+/* The preload library interposes read, write and close; these go straight to the kernel. */
+int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
+             const void *data, uint32_t length) {
+  struct wire_request head = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
+  struct iovec parts[2] = {{&head, sizeof(head)}, {(void *)(uintptr_t)data, length}};
+  struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
+  head.pid = wire_pid();
+  if (name != NULL) memcpy(head.name, name, WIRE_NAME);
+  for (size_t left = sizeof(head) + length; left > 0;) {
+    ssize_t n = syscall(SYS_sendmsg, fd, &message, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return -1;
+    advance(&message, (size_t)n);
+    left -= (size_t)n;
   }
   return 0;
 }
 
-/* What comes of a reply within LATE_MS: bytes, 0 if nothing does. */
-static size_t take_parts(int fd, struct wire_reply *reply, void *out, uint32_t room) {
+/* The alarm of a program whose server does not answer must reach it: what has waited for LATE_MS
+ * lets signals through. */
+int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room, const sigset_t *before) {
   struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
-  struct msghdr message = {.msg_iov = parts, .msg_iovlen = room > 0 ? 2 : 1};
-  ssize_t n = syscall(SYS_recvmsg, fd, &message, 0);
-  return n > 0 ? (size_t)n : 0;
-}
-
-/* Head and data, at once where they come at once. */
-static int receive_reply(int fd, struct wire_reply *reply, void *out, uint32_t room,
-                         const sigset_t *before) {
-  size_t have = take_parts(fd, reply, out, room);
-  int got = 0;
-  if (have < sizeof(*reply))
-    got = receive_all(fd, (char *)reply + have, sizeof(*reply) - have, have ? LATE_MS : 0, before);
-  have -= have < sizeof(*reply) ? have : sizeof(*reply);
-  if (got == 0 && reply->length > room) return -EIO;
-  return got == 0 && have < reply->length
-             ? receive_all(fd, (char *)out + have, reply->length - have, LATE_MS, before)
-             : got;
+  struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
+  size_t have = 0;
+  int late = 0;
+  while (have < sizeof(*reply) || have - sizeof(*reply) < reply->length) {
+    const int let = late;
+    sigset_t own;
+    ssize_t n;
+    int error;
+    if (let) pthread_sigmask(SIG_SETMASK, lock_late(before), &own);
+    n = syscall(SYS_recvmsg, fd, &message, 0);
+    error = errno;
+    if (let) pthread_sigmask(SIG_SETMASK, &own, NULL);
+    late = n < 0 && error == EAGAIN && before != NULL;
+    if (n < 0 && error == EINTR && let) return -EINTR;
+    if (n < 0 && (error == EINTR || error == EAGAIN)) continue;
+    if (n <= 0) return -EIO;
+    have += (size_t)n;
+    if (have >= sizeof(*reply) && reply->length > room) return -EIO;
+    advance(&message, (size_t)n);
+  }
+  return 0;
 }
 
 static void close_directly(int fd) {
@@ -147,61 +138,31 @@ int wire_connect(int cloexec) {
   return -ENXIO; /* as a driver answers without its hardware */
 }
 
-/* Signals are blocked, or nothing is lost by them. */
-int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room) {
-  struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
-  struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
-  size_t have = 0;
-  while (have < sizeof(*reply) || have - sizeof(*reply) < reply->length) {
-    ssize_t n = syscall(SYS_recvmsg, fd, &message, 0);
-    if (n < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (n <= 0) return -1;
-    have += (size_t)n;
-    if (have >= sizeof(*reply) && reply->length > room) return -1;
-    for (size_t i = 0; i < 2; i++) { /* the rest, if it comes apart */
-      size_t of = (size_t)n < parts[i].iov_len ? (size_t)n : parts[i].iov_len;
-      parts[i].iov_base = (char *)parts[i].iov_base + of;
-      parts[i].iov_len -= of;
-      n -= (ssize_t)of;
-    }
-  }
-  return 0;
-}
-
 unsigned long wire_calls, wire_others;
-void (*wire_first)(uint32_t op, uint64_t a);
 
 /* The connection broke; distinct from every errno that the server may answer. */
 #define LOST (-0x10000)
 
-static int exchange(int fd, const struct wire_request *request, const void *data, void *out,
-                    uint32_t *out_length, const sigset_t *before) {
+static int exchange(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
+                    const void *data, uint32_t length, void *out, uint32_t *out_length,
+                    const sigset_t *before) {
   struct wire_reply reply;
-  uint32_t room = out_length != NULL ? *out_length : 0;
-  int got;
-  char whole[sizeof(*request) + 256]; /* what is short goes in one piece */
-  uint32_t first = request->length <= 256 ? request->length : 0;
-  memcpy(whole, request, sizeof(*request));
-  if (first > 0) memcpy(whole + sizeof(*request), data, first);
-  if (wire_send(fd, whole, sizeof(*request) + first) < 0) return LOST;
-  if (request->length > first && wire_send(fd, data, request->length) < 0) return LOST;
-  got = receive_reply(fd, &reply, out, room, before);
+  int got = wire_ask(fd, op, name, a, b, data, length);
+  if (got == 0) got = wire_take(fd, &reply, out, out_length != NULL ? *out_length : 0, before);
   if (got < 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
   return reply.result;
 }
 
 int wire_open(const char *path, int flags) {
-  struct wire_request request = {.magic = WIRE_MAGIC, .op = WIRE_OPEN, .a = (uint64_t)flags};
   struct statx status = {0};
   sigset_t now;
   int result, fd = wire_connect((flags & O_CLOEXEC) != 0);
   if (fd < 0) return fd;
   pthread_sigmask(SIG_SETMASK, NULL, &now);
-  if (statx(fd, "", AT_EMPTY_PATH, STATX_INO, &status) == 0) request.b = status.stx_ino;
-  request.length = (uint32_t)strlen(path);
-  request.pid = getpid();
-  result = exchange(fd, &request, path, NULL, NULL, &now);
+  (void)statx(fd, "", AT_EMPTY_PATH, STATX_INO, &status);
+  result = exchange(fd, WIRE_OPEN, NULL, (uint64_t)flags, status.stx_ino, path,
+                    (uint32_t)strlen(path), NULL, NULL, &now);
   if (result < 0) {
     close_directly(fd);
     return result == LOST ? -ENXIO : result;
@@ -299,22 +260,25 @@ static void put_channel(int fd) {
   (void)pthread_setspecific(at_thread_end, &channel);
 }
 
+/* Setpoints alone, or nothing. */
+static int changes(uint32_t op, uint64_t a) {
+  return op != WIRE_WRITE && op != WIRE_READ &&
+         (op != WIRE_IOCTL || REQUEST_IN(a) || !REQUEST_OUT(a));
+}
+
 /* A handler of SIGUSR1 calls the driver too: signals wait for the reply, as long as one comes. */
 int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
               uint32_t length, void *out, uint32_t *out_length) {
-  struct wire_request request = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
   sigset_t all, before;
   int result = LOST, fd;
   __atomic_add_fetch(&wire_calls, 1, __ATOMIC_RELAXED);
-  if (op != WIRE_WRITE) __atomic_add_fetch(&wire_others, 1, __ATOMIC_RELAXED);
+  if (changes(op, a)) __atomic_add_fetch(&wire_others, 1, __ATOMIC_RELAXED);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (wire_first != NULL) wire_first(op, a);
+  lock_write_first();
   fd = take_channel();
   if (fd >= 0) {
-    memcpy(request.name, name, WIRE_NAME);
-    request.pid = wire_pid();
-    result = exchange(fd, &request, data, out, out_length, &before);
+    result = exchange(fd, op, name, a, b, data, length, out, out_length, &before);
     if (result == LOST || result == -EINTR) {
       close_directly(fd);
     } else {

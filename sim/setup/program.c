@@ -33,16 +33,13 @@ static int client[FILES];  // 1 + the driver's number, by descriptor
 static int64_t hz;
 static bool making;  // the engine may start threads of its own
 
-static void die(const char *why) {
+_Noreturn static void die(const char *why) {
   fprintf(stderr, "mmcs: %s\n", why);
   exit(2);
 }
 
-static void needs_server(const char *what) {
-  fprintf(stderr, "mmcs: a program %s needs `mmcs exec`: this one is linked with its machine\n",
-          what);
-  exit(2);
-}
+#define NEEDS_SERVER(what) \
+  die("a program " what " needs `mmcs exec`: this one is linked with its machine")
 
 static void start(void) {
   char err[300] = "";
@@ -86,7 +83,7 @@ static int pass(int64_t ns) {
   return 0;
 }
 
-static int is_machine(int fd) {
+static bool is_machine(int fd) {
   return fd >= 0 && fd < FILES && client[fd];
 }
 
@@ -187,17 +184,15 @@ int gettimeofday(struct timeval *restrict time, void *restrict zone) {
 }
 
 pid_t fork(void) {
-  needs_server("of several processes");
-  return -1;
+  NEEDS_SERVER("of several processes");
 }
 int setitimer(__itimer_which_t which, const struct itimerval *restrict every,
               struct itimerval *restrict before) {
-  needs_server("with timers");  // whose signals would come by the computer's time
-  return (int)syscall(SYS_setitimer, which, every, before);
+  (void)which, (void)every, (void)before;
+  NEEDS_SERVER("with timers");  // whose signals would come by the computer's time
 }
 int pthread_create(pthread_t *thread, const pthread_attr_t *how, void *(*run)(void *), void *with) {
   __typeof__(&pthread_create) real = dlsym(RTLD_NEXT, "pthread_create");
   if (making) return real(thread, how, run, with);
-  needs_server("with threads");
-  return EAGAIN;
+  NEEDS_SERVER("with threads");
 }

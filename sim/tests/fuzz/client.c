@@ -50,28 +50,30 @@ static int no_option(int fd, int level, int name, void *value, socklen_t *length
   return 0;
 }
 
-static ssize_t no_send(int fd, const void *data, size_t length, int flags) {
-  (void)fd, (void)data, (void)flags;
-  return (ssize_t)length;
-}
-
-static ssize_t no_recv(int fd, void *data, size_t length, int flags) {
-  size_t n = length < left ? length : left;
-  (void)fd, (void)flags;
-  if (part > 0 && n > part) n = part;
-  if (n == 0 && length > 0 && breaks != 0) {
-    errno = breaks == 1 ? ECONNRESET : EINTR;
-    return -1;
+/* What wire.c asks of the kernel by number: all is sent, and the next part of the input comes. */
+static long no_syscall(long number, ...) {
+  static unsigned ends;
+  const size_t most = part > 0 && part < left ? part : left;
+  const struct msghdr *message = NULL;
+  size_t bytes = 0;
+  va_list list;
+  va_start(list, number);
+  (void)va_arg(list, int);
+  if (number == SYS_sendmsg || number == SYS_recvmsg) message = va_arg(list, const void *);
+  va_end(list);
+  if (message == NULL) return number == SYS_close ? 0 : -1;
+  for (size_t i = 0; i < message->msg_iovlen; i++) {
+    size_t n = message->msg_iov[i].iov_len;
+    if (number == SYS_recvmsg && n > most - bytes) n = most - bytes;
+    if (number == SYS_recvmsg && n > 0) memcpy(message->msg_iov[i].iov_base, answer + bytes, n);
+    bytes += n;
   }
-  memcpy(data, answer, n);
-  answer += n;
-  left -= n;
-  return (ssize_t)n;
-}
-
-static int no_poll(struct pollfd *wait, nfds_t count, int ms) {
-  (void)wait, (void)count, (void)ms;
-  return breaks != 2; /* late before it is interrupted */
+  if (number == SYS_sendmsg) return (long)bytes;
+  answer += bytes;
+  left -= bytes;
+  if (bytes > 0 || breaks == 0) return (long)bytes;
+  errno = breaks == 1 ? ECONNRESET : ends++ % 2 ? EINTR : EAGAIN; /* late, then interrupted */
+  return -1;
 }
 
 static int no_name(int fd, void *address, socklen_t *length);
@@ -80,27 +82,22 @@ static int no_name(int fd, void *address, socklen_t *length);
 #define bind no_bind
 #define connect no_bind
 #define getsockopt no_option
-#define send no_send
-#define recv no_recv
-#define poll(wait, count, ms) no_poll(wait, count, ms)
+#define syscall no_syscall
 #define getpeername no_name
 #define getsockname no_name
 /* what preload.c would take from the fuzzer itself */
 #define open dev_open
-#define open64 dev_open64
 #define creat dev_creat
-#define creat64 dev_creat64
 #define openat dev_openat
-#define openat64 dev_openat64
-#define __open_2 dev_open_2
-#define __open64_2 dev_open64_2
 #define read dev_read
 #define __read_chk dev_read_chk
 #define write dev_write
 #define ioctl dev_ioctl
 #define mmap dev_mmap
-#define mmap64 dev_mmap64
 #define munmap dev_munmap
+#include "../../device/device.h"
+#undef SAME
+#define SAME(name, as) _Static_assert(1, "the fuzzer's own")
 #include "../../device/preload.c"
 #include "../../device/wire.c"
 
@@ -112,6 +109,36 @@ static int no_name(int fd, void *address, socklen_t *length) {
   memcpy(address, &name, *length < sizeof(name) ? *length : sizeof(name));
   *length = sizeof(name);
   return 0;
+}
+
+/* of lockstep.c, which is not on */
+void lock_find(void **real, const char *name) {
+  *real = dlsym(RTLD_NEXT, name);
+}
+int lock_on(void) {
+  return 0;
+}
+int lock_sample(uint32_t *number) {
+  return (int)*number;
+}
+int lock_known(const char *of, uint32_t request, void *data, uint32_t asked) {
+  (void)of, (void)request, (void)data, (void)asked;
+  return 0;
+}
+void lock_learn(const char *of, uint32_t request, const void *data, uint32_t asked, int length) {
+  (void)of, (void)request, (void)data, (void)asked, (void)length;
+}
+int lock_write_later(const char *of, const void *data, uint32_t length) {
+  (void)of, (void)data, (void)length;
+  return 0;
+}
+void lock_write_first(void) {}
+const sigset_t *lock_late(const sigset_t *before) {
+  return before;
+}
+size_t lock_await(int fd, short events) {
+  (void)fd, (void)events;
+  return SIZE_MAX;
 }
 
 /* of vme_map.c, which these calls do not reach */
