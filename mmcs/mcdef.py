@@ -33,7 +33,7 @@ def _text() -> str:
 
 
 ABI = [ROOT / "sim" / name for name in (
-    "abi/mmcs_sim.h", "abi/mmcs_service.h", "abi/mmcs_setup.h", "device/wire.h", "device/turns.h",
+    "abi/mmcs_sim.h", "abi/mmcs_service.h", "device/wire.h", "device/turns.h",
 )]  # fmt: skip
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-up files (sim/abi/mmcs_setup.h): written for the engine's reader, and what Python needs of
+"""Set-up files (sim/abi/mmcs_service.h): written for the engine's reader, and what Python needs of
 one."""
 
 import json

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A checked setup as the records of a set-up file (sim/abi/mmcs_setup.h), from which the engine
+"""A checked setup as the records of a set-up file (sim/abi/mmcs_service.h), from which the engine
 makes the machine and carries the scenario out."""
 
 import hashlib

@@ -160,7 +160,7 @@ typedef struct mmcs_snapshot {
 
 typedef struct mmcs_sim mmcs_sim;
 
-/* Creates a machine in power-on state at t = 0: for mmcs_sim_create_from() of mmcs_setup.h, which
+/* Creates a machine in power-on state at t = 0: for mmcs_sim_create_from() of mmcs_service.h, which
  * all others use. NULL on error, with one sentence in err. On success err holds a caution, or is
  * empty. */
 mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,

@@ -11,7 +11,6 @@
 #include "bench.h"
 #include "mcdef.h"
 #include "mmcs_service.h"
-#include "mmcs_setup.h"
 #include "mmcs_sim.h"
 
 // Of the Makefile, "dpi" and a digest: the machine's size is the testbench's.

@@ -8,7 +8,6 @@
 #include "fmi3.h"
 #include "mcdef.h"
 #include "mmcs_service.h"
-#include "mmcs_setup.h"
 #include "mmcs_sim.h"
 
 enum { MAX_AXES = 32, TEXT = 400 };
@@ -31,7 +30,7 @@ struct moment {
 struct unit {
   void *environment;
   fmi3Log log;
-  void *setup; /* resources/setup.bin, of mmcs_setup.h */
+  void *setup; /* resources/setup.bin, of mmcs_service.h */
   size_t setup_size;
   int axes, estop_input;
   mmcs_sim *sim;

@@ -21,7 +21,7 @@
 #include <unistd.h>
 
 #include "mcdef.h"
-#include "mmcs_setup.h"
+#include "mmcs_service.h"
 #include "mmcs_sim.h"
 #include "sys/mmcs.h"
 

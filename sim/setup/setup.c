@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads set-ups: mmcs_setup.h.
+// Reads set-ups: mmcs_service.h.
 
 #include "setup.h"
 
@@ -15,7 +15,7 @@ static const size_t kSize[] = {
 #define RECORD(kind, type) sizeof(type),
 #include "records.def"
 };
-_Static_assert(sizeof kSize / sizeof *kSize == MMCS_SETUP_KINDS, "mmcs_setup.h counts the kinds");
+_Static_assert(sizeof kSize / sizeof *kSize == MMCS_SETUP_KINDS, "mmcs_service.h counts the kinds");
 
 static bool refuse(char *err, size_t err_len, const char *format, ...) {
   va_list values;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The one reader of set-ups (mmcs_setup.h). */
+/* The one reader of set-ups (mmcs_service.h). */
 #ifndef MMCS_SETUP_READER_H
 #define MMCS_SETUP_READER_H
 
@@ -7,7 +7,6 @@
 
 #include "mcdef.h"
 #include "mmcs_service.h"
-#include "mmcs_setup.h"
 #include "mmcs_sim.h"
 
 #ifdef __cplusplus

@@ -187,7 +187,6 @@ def test_program_of_the_simulators_page():
     text = f"""#include <stdio.h>
 #include "mmcs_sim.h"
 #include "mmcs_service.h"
-#include "mmcs_setup.h"
 int main(void) {{
 {body}
 return 0; }}

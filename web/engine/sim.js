@@ -30,7 +30,7 @@ export class Sim {
   #m; // the module
   #at; // its machine
   #room; // memory for arguments
-  #setup; // its set-up file, sim/abi/mmcs_setup.h
+  #setup; // its set-up file, sim/abi/mmcs_service.h
   #changes;
 
   /** module: the loaded WebAssembly; setup: as tools/website.py writes it; changes: to it, {seed,

@@ -15,7 +15,6 @@ RECORDER = r"""
 #include <string.h>
 #include "mcdef.h"
 #include "mmcs_service.h"
-#include "mmcs_setup.h"
 #include "mmcs_sim.h"
 static int n, fail;
 static double now = 0.5;
