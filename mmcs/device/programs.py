@@ -106,7 +106,7 @@ class Program(Connection):
             self._server.becomes_line(self, request)
             return True
         if op == wire.IOCTL and a & 0xFFFFFFFF == wire.MWAIT:
-            self._server.watch(self, pid)
+            self._server.watch(self)
             return True
         self.busy = True
         result, out = self._call(op, name.rstrip(b"\0"), a, b, request[wire.REQUEST.size :], pid)

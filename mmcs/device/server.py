@@ -56,7 +56,7 @@ class Server:
         poll = self._poll.fileno()
         self.lockstep = Turns(self.machine, poll, lockstep, self._signal_now, console)
         self._core = Core(self.lockstep) if lockstep else None
-        self._watchers: list[tuple[Program, int]] = []  # for a sample; and the process of each
+        self._watchers: list[Program] = []  # for a sample
         self._doors = {}
         for suffix, kind in ((".sock", Program), (".msg", Messenger)):
             door = self.name.listen(suffix)
@@ -192,20 +192,19 @@ class Server:
         if sampled or self.sim.clock > self.lockstep.now.watched:
             self._answer_watchers(sampled)
 
-    def watch(self, connection: Program, pid: int) -> None:
+    def watch(self, connection: Program) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""
-        self._watchers.append((connection, pid))
+        self._watchers.append(connection)
         self.lockstep.now.watched = self.sim.clock + round(NO_SAMPLE_S * self._hz)
 
     def _answer_watchers(self, sampled: bool) -> None:
         watchers, self._watchers, self.lockstep.now.watched = self._watchers, [], 0
         number = (self.sim.samples & 0xFFFFFFFF).to_bytes(4, "little")
-        for connection, pid in watchers:
+        for connection in watchers:
             if sampled:
                 connection.reply(0, number)
             else:
                 connection.fail("no servo sample comes: interrupts are off")
-            self.lockstep.look(pid)
 
     def _go_on(self) -> None:
         now, (asker, id_) = self.machine.now, self.advances

@@ -94,8 +94,9 @@ void run_out(struct turns *t, struct process *p, uint64_t now) {
       (void)sigqueue(p->pid, is->signal, value);
       turns_signalled(t, p->pid, BIT(is->signal));
     }
-    if (is->fd >= 0) timer->fired += (int32_t)times;
-    if (is->fd >= 0) turns_look(t, p->pid);
+    if (is->fd < 0) continue;
+    timer->fired += (int32_t)times;
+    for (struct line *l = p->lines; l != NULL; l = l->next) look(l);
   }
 }
 

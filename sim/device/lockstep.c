@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lock-step (lockstep.h): lines, waiting, signals, processes. */
+/* Lock-step (device.h): lines, waiting, signals, processes. */
 #define _GNU_SOURCE
 #include "device.h"
 

@@ -197,20 +197,6 @@ int ioctl(int fd, unsigned long request, ...) {
 
 /* --- fork and exec: who holds the file, for SIGUSR1. close() is the kernel's business. --- */
 
-/* Calls use on every descriptor of this process that is one of our files. */
-static void each_file(void (*use)(int fd, const char name[WIRE_NAME], void *arg), void *arg) {
-  DIR *folder = opendir("/proc/self/fd");
-  struct dirent *entry;
-  char name[WIRE_NAME];
-  if (folder == NULL) return;
-  while ((entry = readdir(folder)) != NULL) {
-    int fd = (int)strtol(entry->d_name, NULL, 10);
-    if (entry->d_name[0] != '.' && fd != dirfd(folder) && wire_is_file(fd, name))
-      use(fd, name, arg);
-  }
-  closedir(folder);
-}
-
 /* Which device, and how it was opened; or a negative errno. */
 static int hold_file(const char name[WIRE_NAME]) {
   return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
@@ -237,20 +223,26 @@ int fcntl(int fd, int command, ...) {
 }
 SAME(fcntl64, fcntl);
 
-static void hold(int fd, const char name[WIRE_NAME], void *arg) {
-  (void)fd;
-  (void)arg;
-  (void)device_is_vme(name);
+/* This process holds what it has inherited, by fork or across exec. */
+static void hold_all(void) {
+  DIR *folder = opendir("/proc/self/fd");
+  struct dirent *entry;
+  char name[WIRE_NAME];
+  if (folder == NULL) return;
+  while ((entry = readdir(folder)) != NULL)
+    if (entry->d_name[0] != '.' && wire_is_file((int)strtol(entry->d_name, NULL, 10), name))
+      (void)hold_file(name);
+  closedir(folder);
 }
 
 static void child_of_fork(void) {
   wire_after_fork();
-  each_file(hold, NULL);
+  hold_all();
 }
 
 __attribute__((constructor)) static void start(void) {
   pthread_atfork(NULL, NULL, child_of_fork);
-  each_file(hold, NULL); /* descriptors inherited across exec */
+  hold_all();
 }
 
 /* --- mmap of /dev/vme16 ---------------------------------------------------------------- */

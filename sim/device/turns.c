@@ -102,8 +102,7 @@ static void join(struct process *p) {
   }
 }
 
-/* Descriptors may be ready, to be looked at. */
-static void look(struct line *l) {
+void look(struct line *l) {
   if (wants(l, WAIT_FILES)) ready(l, CAUSE_WOKEN);
 }
 
@@ -274,11 +273,6 @@ static void release(struct turns *t, struct line *l) {
   go_on(t, l, l->cause);
 }
 
-void turns_look(struct turns *t, int pid) {
-  const struct process *p = process_of(t, pid);
-  for (struct line *l = p != NULL ? p->lines : NULL; l != NULL; l = l->next) look(l);
-}
-
 void turns_passed(struct turns *t, int sampled) {
   const int64_t clock = clock_of(t);
   const uint64_t now = now_of(t);
@@ -293,6 +287,7 @@ void turns_passed(struct turns *t, int sampled) {
     if (wants(l, WAIT_SAMPLE) && clock > l->patience) ready(l, CAUSE_LATE);
     if (l->outside) look(l);
   }
+  if (t->watched && (sampled || clock > t->watched)) others_ran(t, NULL);
 }
 
 /* All that any thread waits for is another one. */

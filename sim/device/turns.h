@@ -56,9 +56,8 @@ int turns_write(struct turns *t, int pid, mmcs_client *client, const char *name,
                 size_t size);
 /* The write()s without an answer are carried out; and the client is gone. */
 void turns_closes(struct turns *t, const mmcs_client *client);
-/* Signals have been sent to a process; descriptors of it may be ready. */
+/* Signals have been sent to a process. */
 void turns_signalled(struct turns *t, int pid, uint64_t signals);
-void turns_look(struct turns *t, int pid);
 /* The machine has run, by a sample or not. */
 void turns_passed(struct turns *t, int sampled);
 

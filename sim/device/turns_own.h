@@ -65,6 +65,8 @@ void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
                 const int32_t *files);
 void ready(struct line *l, enum wire_cause cause);
 int wants(const struct line *l, unsigned what);
+/* Descriptors may be ready: it looks at them. */
+void look(struct line *l);
 
 /* lines.c */
 int64_t events_of(const struct turns *t);
