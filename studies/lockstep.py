@@ -19,6 +19,7 @@ from pathlib import Path
 
 from mmcs import RunError, Session, load, machine, regs, scenario_names
 from mmcs.inputs import INPUTS
+from studies.shrink import shrunk
 
 CLK_HZ = 8_000_000
 PUSHES = 0.1  # of the actions follow one
@@ -42,7 +43,9 @@ PIT_VALUES = (0x34, 0x74, 0xB4, 0x36, 0x76, 0x30, 0x31, 0x71, 0xB1, 0x35, 0x75, 
 
 
 class Differs(RunError):
-    """The two machines part."""
+    """The two machines part; done: the actions that led there."""
+
+    done: list[tuple] = []
 
 
 def stranger(seed: int, cards: int, axes: int, actions: int, registers: dict[str, int]):
@@ -181,15 +184,21 @@ def differences(pair: tuple) -> str:
     return ", ".join(found[:5]) or "no register"
 
 
-def torture(pair: tuple, seed: int, actions: int, upsets: bool = True) -> int:
-    """Both machines under the same stranger; the clocks that each of them made."""
+def compare(pair: tuple, actions) -> int:
+    """Both machines under the same actions; the clocks that each of them made."""
     plain, skipping = pair
     numbers = {name: number for number, name in enumerate(plain.input_names())}
-    cards, registers = plain.build()["cards"], plain.registers() if upsets else {}
     kept: list = []
+    done: list[tuple] = []
     again = 0  # clocks that were made once more, after going back
-    strange = stranger(seed, cards, plain.axes, actions, registers)
-    for number, action in enumerate(lively(seed, cards, plain.axes, strange)):
+
+    def differs(what: str) -> Differs:
+        error = Differs(f"{what}; {differences(pair)}")
+        error.done = done
+        return error
+
+    for number, action in enumerate(actions):
+        done.append(action)
         if action[0] in ("snapshot", "back"):
             again += plain.clock
             cross(pair, kept, action[0])
@@ -201,14 +210,21 @@ def torture(pair: tuple, seed: int, actions: int, upsets: bool = True) -> int:
         if same and (number // BOUT % 4 == 0 or number % BOUT == BOUT - 1):
             same = plain.hash() == skipping.hash()
         if not same:
-            raise Differs(
-                f"seed {seed}, in or before action {number} {action}: clock {plain.clock} and "
-                f"{skipping.clock}, answers {got[0]} and {got[1]} {failure(plain)}; "
-                f"{differences(pair)}"
+            raise differs(
+                f"in or before action {number} {action}: clock {plain.clock} and "
+                f"{skipping.clock}, answers {got[0]} and {got[1]} {failure(plain)}"
             )
     if plain.hash() != skipping.hash():
-        raise Differs(f"seed {seed}: the hashes differ at the end: {differences(pair)}")
+        raise differs("the hashes differ at the end")
     return plain.clock + again
+
+
+def torture(pair: tuple, seed: int, actions: int, upsets: bool = True) -> int:
+    """Both machines under the same stranger; the clocks that each of them made."""
+    plain, _ = pair
+    cards, registers = plain.build()["cards"], plain.registers() if upsets else {}
+    strange = stranger(seed, cards, plain.axes, actions, registers)
+    return compare(pair, lively(seed, cards, plain.axes, strange))
 
 
 def machines(name: str, overrides: tuple[str, ...] = ()):
@@ -219,7 +235,24 @@ def machines(name: str, overrides: tuple[str, ...] = ()):
 def lockstep_torture(seed: int, actions: int, name: str = "puma560", upsets: bool = True) -> int:
     _, plain, skipping = machines(name)
     with plain, skipping:
-        return torture((plain, skipping), seed, actions, upsets)
+        try:
+            return torture((plain, skipping), seed, actions, upsets)
+        except Differs as error:
+            found = error
+    fewest = shrunk(found.done, lambda some: differ(name, some) is not None)
+    lines = "\n  ".join(map(str, fewest))
+    raise Differs(f"seed {seed}, {found}\nso they do after\n  {lines}\n{differ(name, fewest)}")
+
+
+def differ(name: str, actions: list[tuple]) -> Differs | None:
+    """How two machines from power-on differ after these actions."""
+    _, plain, skipping = machines(name)
+    with plain, skipping:
+        try:
+            compare((plain, skipping), actions)
+        except Differs as error:
+            return error
+    return None
 
 
 def lockstep_scenario(name: str) -> int:

@@ -2,47 +2,67 @@
 /* Length: one model of every call of the manual. */
 /* Random calls of the driver, of which a model of the manual says what each must answer. §2.3
  *
- * `driver_tests test_random_calls N SEED` makes other ones, `driver_tests NAME HEX` those that the
- * bytes choose (test_random.py). */
+ * `driver_tests NAME N SEED` makes N other ones, `driver_tests NAME N SEED 3,17` of these those
+ * alone, and prints them: test_firmware.py looks for the fewest that fail. */
 #include "traffic.h"
 
 #define CLIENTS 4
 #define AXES 4
+#define RUN 5000 /* calls of one machine */
 
 static uint64_t state;
-static const char *choices; /* hexadecimal, or NULL: `state` chooses */
-static long calls;          /* to be made */
+static long calls, seed;
+static long number_of_call, next_kept;
+static const char *kept; /* the numbers of those that are made, or NULL: all */
 
-static long decimal(const char *text) {
+static long decimal(const char **text) {
   long value = 0;
-  for (; *text != 0; text++) value = 10 * value + *text - '0';
+  for (; **text >= '0' && **text <= '9'; ++*text) value = 10 * value + **text - '0';
   return value;
 }
 
 static void begin(long usual) {
-  calls = test_argc > 3 ? decimal(test_argv[2]) : usual;
-  state = test_argc > 3 ? (uint64_t)decimal(test_argv[3]) : 1;
-  choices = test_argc == 3 ? test_argv[2] : NULL;
+  const char *count = test_argc > 3 ? test_argv[2] : "0",
+             *from = test_argc > 3 ? test_argv[3] : "1";
+  calls = test_argc > 3 ? decimal(&count) : usual;
+  seed = decimal(&from);
+  kept = test_argc > 4 ? test_argv[4] : NULL;
+  number_of_call = next_kept = -1;
 }
 
-static unsigned digit(void) {
-  unsigned c = *choices == 0 ? '0' : (unsigned char)*choices++;
-  return c <= '9' ? c - '0' : c - 'a' + 10;
+static int is_kept(void) {
+  while (number_of_call > next_kept && *kept != 0) {
+    next_kept = decimal(&kept);
+    kept += *kept != 0;
+  }
+  return number_of_call == next_kept;
 }
 
 static uint32_t chance(uint32_t below) {
-  uint32_t any = 0;
-  if (choices != NULL) {
-    for (uint32_t reach = 1; reach < below && reach < 1u << 28; reach *= 16)
-      any = 16 * any + digit();
-    return any % below;
-  }
   state = state * 6364136223846793005u + 1442695040888963407u;
   return (uint32_t)(state >> 33) % below;
 }
 
+/* To the next call. Its chances are its own, so that others may be left out. */
 static int more(void) {
-  return choices != NULL ? *choices != 0 : calls-- > 0;
+  do number_of_call++;
+  while (kept != NULL && number_of_call < calls && !is_kept());
+  state = ((uint64_t)number_of_call << 32 | (uint32_t)seed) * 0x9E3779B97F4A7C15u;
+  (void)chance(1);
+  return number_of_call < calls;
+}
+
+/* 1: the next call is the first of another machine. */
+static int machine_ends(const struct mc *mc) {
+  static long run;
+  long was = mc != NULL ? run : -1;
+  run = number_of_call / RUN;
+  return run != was;
+}
+
+static void show(const char *call, int client, long argument, long other) {
+  if (kept == NULL) return;
+  printf("%ld: %s, client %d, 0x%lx 0x%lx\n", number_of_call, call, client, argument, other);
 }
 
 /* Small numbers, corners and any others. */
@@ -116,6 +136,12 @@ static int any_call(struct mc *mc) {
   size_t len = chance(3) != 0 ? 4 * chance(6) : chance(sizeof buffer);
   void *memory = chance(100) == 0 ? NULL : buffer;
   uint32_t what = chance(32);
+  static const char *const names[] = {"open", "close", "halt", "run", "disturb"};
+  show(what < 5    ? names[what]
+       : what < 9  ? "write"
+       : what < 13 ? "read"
+                   : "ioctl",
+       client, (long)len, memory != NULL);
   if (what == 0) return mc_open(mc, (int)chance(4));
   if (what == 1) return chance(3) == 0 ? mc_close(mc, client) : 0;
   if (what == 2) return chance(20) == 0 ? mc_halt(mc) : 0;
@@ -130,6 +156,7 @@ static int any_call(struct mc *mc) {
   if (request == MENABLE && chance(50) != 0) return 0; /* it waits for milliseconds */
   if (request == MDIAGMODE && chance(8) != 0) return 0;
   if (chance(100) == 0) request ^= 1u << chance(32);
+  show("request", client, (long)request, arg.words[0]);
   return mc_ioctl(mc, client, request, memory != NULL ? (void *)&arg : NULL);
 }
 
@@ -152,15 +179,18 @@ TEST(test_random_calls, "DRV-3 DRV-4") {
   static const int errors[] = {MC_EIO,   MC_ENXIO,  MC_EBADF,  MC_EFAULT,
                                MC_EBUSY, MC_EINVAL, MC_ENFILE, MC_ENOTTY};
   begin(20000);
-  struct mc *mc = mock_start(&m, 2);
+  struct mc *mc = NULL;
   while (more()) {
+    if (machine_ends(mc)) {
+      if (mc != NULL) orderly(mc);
+      mc = mock_start(&m, 2);
+    }
     int result = any_call(mc), known = result >= 0;
     for (unsigned i = 0; i < COUNT(errors); i++) known |= result == -errors[i];
     CHECK(known);
     CHECK(!m.masked);
-    if (calls % 50000 == 0) orderly(mc);
   }
-  orderly(mc);
+  if (mc != NULL) orderly(mc);
 }
 
 /* --- the model -------------------------------------------------------------------------------- */
@@ -421,15 +451,14 @@ static void judge_ioctl(struct mc *mc, int i) {
   }
   if (request == MSETINTERVAL && s.enabled) arg.words[0] %= 20001;
   copy = arg;
+  show("request", i, (long)request, arg.words[0]);
   if (chance(64) == 0) {
     CHECK_EQ(mc_ioctl(mc, i, request ^ 0x7F, &arg),
              may(i, 0) || may(i, 1) ? -MC_ENOTTY : -MC_EBADF);
     return;
   }
-  int want = model_ioctl(i, request, &copy, !m.bad_pointer), got = mc_ioctl(mc, i, request, &arg);
-  if (got != want)
-    printf("client %d, request 0x%x, %d: %s\n", i, request, arg.words[0], m.last_log);
-  CHECK_EQ(got, want);
+  int want = model_ioctl(i, request, &copy, !m.bad_pointer);
+  CHECK_EQ(mc_ioctl(mc, i, request, &arg), want);
   if (request != MGETSTATS && want == 0) CHECK(memcmp(&arg, &copy, sizeof arg) == 0);
 }
 
@@ -461,6 +490,9 @@ static void judge_call(struct mc *mc) {
   s.now++;
   m.bad_pointer = 0;
   uint32_t what = chance(12);
+  static const char *const names[] = {"open",  "close", "error", "run",  "write",
+                                      "write", "read",  "read",  "ioctl"};
+  show(names[what < 8 ? what : 8], i, what == 0 ? flags : what == 2 ? axis : (long)len, bit);
   if (what == 0 && users(0) < CLIENTS) {
     int opened = model_open(flags);
     CHECK_EQ(mc_open(mc, flags), opened);
@@ -488,7 +520,12 @@ static void judge_call(struct mc *mc) {
 
 TEST(test_calls_that_a_model_judges, "DRV-2 DRV-3 DRV-4 DRV-5 DRV-6 DRV-12") {
   begin(__STDC_HOSTED__ ? 300000 : 20000);
-  memset(&s, 0, sizeof s);
-  struct mc *mc = mock_start(&m, AXES / 2);
-  while (more()) judge_call(mc);
+  struct mc *mc = NULL;
+  while (more()) {
+    if (machine_ends(mc)) {
+      memset(&s, 0, sizeof s);
+      mc = mock_start(&m, AXES / 2);
+    }
+    judge_call(mc);
+  }
 }

@@ -178,8 +178,23 @@ def test_what_sticks_stands_against_a_reset(pair, name):
 def test_a_difference_is_found(pair):
     """One machine has a bit of a counter flipped, which no access reads: the hash tells."""
     pair.skipping.add_event(1e-5, pair.numbers["seu_encoder"], 0, 4)
-    with pytest.raises(lockstep.Differs, match="seed 1"):
+    with pytest.raises(lockstep.Differs, match="u_encoder.count_q 0x0 0x4"):
         lockstep.torture(pair.both, 1, 200)
+
+
+def test_a_difference_is_reported_with_the_fewest_actions(monkeypatch):
+    """One machine takes a card's port A for port B, while PCCSR lets the cards answer."""
+
+    def wrong(sim, action, numbers, act=lockstep.act):
+        if action[:2] == ("write", regs.CARD_PPI_A * 2 + 1) and not sim.build()["skip"]:
+            action = ("write", regs.CARD_PPI_B * 2 + 1, *action[2:])
+        return act(sim, action, numbers)
+
+    monkeypatch.setattr(lockstep, "act", wrong)
+    with pytest.raises(lockstep.Differs, match="seed 3") as told:
+        lockstep.lockstep_torture(3, 400, "lab500")
+    actions = [line for line in str(told.value).splitlines() if line.startswith("  (")]
+    assert 1 <= len(actions) <= 10, told.value
 
 
 if LONG:
