@@ -95,6 +95,9 @@ installed: $(addprefix $(VENV)/.,lint formal hosts tool-test docs fmu) $(BRIDGES
 
 # --- the main job --------------------------------------------------------------------------
 
+# Installing and building count into the time to first motion.
+export MMCS_STARTED := $(shell date +%s.%N)
+
 sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
 	@$(BIN)/mmcs run "$(SCENARIO)"
 

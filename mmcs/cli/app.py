@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -24,6 +25,8 @@ from mmcs.cli.view import compare, faults
 from mmcs.errors import InputError, RunError, out_of_memory
 from mmcs.place import BUILD, results
 from mmcs.screen import echo
+
+STARTED = time.time()
 
 LONGEST = 200  # letters of a word in a message
 GROUPS = {
@@ -199,7 +202,8 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 @click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
-def run(scenario, duration, out, host, trace, realtime, seed, sets, bus) -> None:
+@click.option("-v", "verbose", is_flag=True, help="Also the cache's hits, and how soon it moved.")
+def run(scenario, duration, out, host, trace, realtime, seed, sets, bus, verbose) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     from mmcs.engine import hosts
 
@@ -216,7 +220,9 @@ def run(scenario, duration, out, host, trace, realtime, seed, sets, bus) -> None
     name = setup.name if host == "native" else f"{setup.name}-{host}"
     folder = out or results("runs", setup.path) / name
     carry_out = partial(simulate, trace=trace, realtime=realtime, host=host, bus=bus)
-    good = run_scenario(setup, folder, trace, host, carry_out)
+    good = run_scenario(
+        setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
+    )
     sys.exit(0 if good else 1)
 
 

@@ -115,7 +115,7 @@ def write_log(result, folder: Path) -> int:
     return crc
 
 
-def print_report(report: dict, result, console) -> None:
+def print_report(report: dict, result, console, verbose: bool = False) -> None:
     from rich.table import Table
 
     from mmcs.screen import cell, shown
@@ -162,3 +162,7 @@ def print_report(report: dict, result, console) -> None:
         f"simulated {report['simulated_s']:.3f} s in {report['wall_s']:.2f} s: "
         f"real-time factor {report['rtf']:.2f}"
     )
+    cache = report["cache"]
+    if verbose and (steps := cache["hits"] + cache["misses"]):
+        console.print(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
+                      f"{cache['misses']} misses, {cache['bytes'] / 1e6:.1f} MB")  # fmt: skip

@@ -66,6 +66,15 @@ FIELDS = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("started", ["abc", "nan", "inf", "-5", "1e999"])
+def test_a_start_of_make_that_cannot_be_is_not_looked_at(
+    mmcs, scenario, tmp_path, monkeypatch, started
+):
+    monkeypatch.setenv("MMCS_STARTED", started)
+    text = mmcs("run", scenario(), "-v", "--out", tmp_path / "results")[1]
+    assert 0 <= float(text.split("time to first motion ")[1].split()[0]) < runner.A_DAY_S
+
+
 def test_report_log_and_plot(mmcs, scenario, tmp_path):
     out = tmp_path / "results"
     text = good(mmcs("run", scenario(), "--out", out, "--seed", 7), silent=True)
@@ -87,6 +96,7 @@ def test_report_log_and_plot(mmcs, scenario, tmp_path):
     assert picture.startswith("<?xml") and "setpoint" in picture and "current" in picture
     for word in ("real-time factor", "hash 0x", "axis", f"{out}/plot.svg", "next: mmcs trace"):
         assert word in text
+    assert "model's cache" not in text and "time to first motion" not in text
 
 
 def test_log_of_six_axes_has_its_columns_in_order(scenario, tmp_path):
@@ -196,6 +206,8 @@ class Wall:
     def perf_counter(self):
         self.now += self.cost_s
         return self.now
+
+    time = perf_counter
 
     def sleep(self, s):
         assert s >= 0
