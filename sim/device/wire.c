@@ -149,7 +149,7 @@ static int exchange(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a,
   struct wire_reply reply;
   int got = wire_ask(fd, op, name, a, b, data, length);
   if (got == 0) got = wire_take(fd, &reply, out, out_length != NULL ? *out_length : 0, before);
-  if (got < 0) return got == -EINTR ? -EINTR : LOST;
+  if (got != 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
   return reply.result;
 }

@@ -2,9 +2,11 @@
 /* The mc driver as a Linux program on a mapped VME window: user [DEVICE ADDRESS [PRIORITY]]. main()
  * is for a program of your own to replace. docs/use/driver.md
  *
- *	cc -Ifirmware/mc -Ifirmware/include -o user firmware/ports/linux/user.c firmware/mc/[a-z]*.c
- * -lm mmcs exec --lockstep --scenario lab500 -- ./user
+ *   cc -Ifirmware/mc -Ifirmware/include firmware/ports/linux/user.c firmware/mc/[a-z]*.c -lm
+ *
+ *   mmcs exec --lockstep --scenario lab500 -- ./a.out
  */
+#define _GNU_SOURCE
 #include <err.h>
 #include <fcntl.h>
 #include <math.h>
@@ -149,8 +151,9 @@ int main(int argc, char **argv) {
   struct mc_param param = {.which = 0};
   struct mc_state state;
   int joints = 1, interval = 2000, worst = 0;
-  int client = start(argc > 2 ? argv[1] : "/dev/vme16",
-                     argc > 2 ? strtol(argv[2], NULL, 0) : 0x6000, argc > 3 ? atoi(argv[3]) : 0);
+  int client =
+      start(argc > 2 ? argv[1] : "/dev/vme16", argc > 2 ? strtol(argv[2], NULL, 0) : 0x6000,
+            argc > 3 ? (int)strtol(argv[3], NULL, 0) : 0);
   check(mc_ioctl(mc, client, MSETNUMJOINTS, &joints), "MSETNUMJOINTS");
   check(mc_ioctl(mc, client, MSETINTERVAL, &interval), "MSETINTERVAL");
   check(mc_ioctl(mc, client, MGETPARAM, &param), "MGETPARAM");

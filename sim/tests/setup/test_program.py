@@ -14,13 +14,23 @@ from tools.compiled import compiled, ran, written
 
 EXAMPLES = ROOT / "firmware" / "examples"
 OLD = ["-std=gnu89", "-w"]  # of a program of 1989
-TIMERS = """
+FOR_THE_SERVER = {
+    "threads": """
+#include <pthread.h>
+static void *body(void *arg) { return arg; }
+int main(void) {
+  pthread_t thread;
+  return pthread_create(&thread, 0, body, 0);
+}
+""",
+    "timers": """
 #include <sys/time.h>
 int main(void) {
   struct itimerval every = {{1, 0}, {1, 0}};
   return setitimer(ITIMER_REAL, &every, 0);
 }
-"""
+""",
+}
 
 
 @pytest.fixture(scope="module")
@@ -68,9 +78,9 @@ def exec_of(name: str, more: list[str]) -> list:
 
 
 @pytest.mark.req("API-1")
-@pytest.mark.parametrize("name", ["threads", "timers"])
+@pytest.mark.parametrize("name", FOR_THE_SERVER)
 def test_what_is_for_the_server_says_so(program, name):
-    done = ran(program(name, text=TIMERS if name == "timers" else ""))
+    done = ran(program(name, text=FOR_THE_SERVER[name]))
     told = f"a program with {name} needs `mmcs exec`: this one is linked with its machine"
     assert (done.returncode, done.stderr) == (2, f"mmcs: {told}\n")
 
