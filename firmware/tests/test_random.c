@@ -492,7 +492,7 @@ static void judge_call(struct mc *mc) {
   uint32_t what = chance(12);
   static const char *const names[] = {"open",  "close", "error", "run",  "write",
                                       "write", "read",  "read",  "ioctl"};
-  show(names[what < 8 ? what : 8], i, what == 0 ? flags : what == 2 ? axis : (long)len, bit);
+  show(names[what < 8 ? what : 8], i, what == 0 ? flags : what == 2 ? axis : (long)len, (long)bit);
   if (what == 0 && users(0) < CLIENTS) {
     int opened = model_open(flags);
     CHECK_EQ(mc_open(mc, flags), opened);
