@@ -135,14 +135,14 @@ def figures():
     a0, a1, b0, b1 = puma[1].servo.pd_1000us
     small = lab[0].servo.pd_1000us
     yield 1, f"({lab[0].counts_per_rev} counts are a revolution)"
-    yield 3, f"{sum(small[:2]) / small[2]:.1f} D/A units a count"
+    yield 3, f"{sum(small[:2]) / small[2]:.1f} D/A units per count"
     yield 4, f"limit of the robot file, {lab[0].servo.ilim}:"
     yield 5, f"within {Host().latency_max_us:g} us and computes for {Host().cpu_us_per_axis:.0f} us"
     yield 6, f"gear ratio is {puma[0].gear}, the encoder makes {puma[0].counts_per_rev} counts"
     yield 6, f"the potentiometer {puma[0].pot_v_per_rad:g} V in a radian"
     yield 8, f"gives {puma[1].amp_gain} A per volt"
     yield 8, f"constant is {puma[1].km} N m/A, its gear {puma[1].gear}."
-    yield 8, f"P = {(a0 + a1) / (b0 + b1):.1f} units a count"
+    yield 8, f"P = {(a0 + a1) / (b0 + b1):.1f} units per count"
     yield 8, f"Gears of {abs(puma[2].gear):.0f} to 1"
 
 

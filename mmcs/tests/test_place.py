@@ -153,8 +153,9 @@ def test_that_command_where_pipx_or_uv_made_the_environment(monkeypatch, tmp_pat
     ("trace none", "waves"), ("export film none", "film"),
 ])  # fmt: skip
 def test_a_command_without_its_packages_is_one_line(mmcs, monkeypatch, command, extra):
-    for package in ("websockets", "mcap", "pywellen", "matplotlib"):
-        monkeypatch.setitem(sys.modules, package, None)
+    packages = {"websockets", "mcap", "pywellen", "matplotlib"}
+    for name in packages | {m for m in sys.modules if m.partition(".")[0] in packages}:
+        monkeypatch.setitem(sys.modules, name, None)
     for module in ("mmcs.view.mcap_file", "mmcs.tool.launch", "mmcs.tool.pages"):
         monkeypatch.delitem(sys.modules, module, raising=False)
     one_clear_line(mmcs(*command.split()), f"make .venv/.{extra}")
