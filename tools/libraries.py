@@ -53,7 +53,7 @@ def fetch(folder: Path, dev: bool) -> None:
             continue
         address = tarball(name, version)
         try:
-            data = urllib.request.urlopen(address).read()
+            data = urllib.request.urlopen(address, timeout=60).read()
         except (urllib.error.URLError, OSError) as error:
             raise SystemExit(f"libraries: {address}: {error}") from None
         kind, _, wanted = package["integrity"].partition("-")
