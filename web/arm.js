@@ -117,7 +117,7 @@ export class Arm {
     const { page, motors } = this;
     const { joint, x: began, setpoint } = this.#dragged;
     const axis = page.axes[joint];
-    if (!page.machine.controls || page.past) return;
+    if (!page.mayChange) return;
     if (axis.mode !== "pos") {
       page.machine.say("help", `axis ${joint}: a joint follows the hand in Pos`);
       this.#dragged = null;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An axis as its panel has it: what the driver has, and what this page makes of it, a square wave or a
-// code of Diag. Each change begins with what the one before it left in the driver.
+// An axis as its panel, §3, has it: what the driver has, and what this page makes of it, a square
+// wave or a code of Diag. Each change begins with what the one before it left in the driver.
 
 import { parseInteger, parseNumber } from "./dom.js";
 import { FLAGS, gainsOf, INT_MAX, INT_MIN, isBounded, MODE_MASK, modeName, MODES, setpointScale } from "./params.js";
@@ -10,7 +10,7 @@ const SQUARE_MS = 1000; // half a period, in the machine's time
 const GP1 = 8; // the axis's light among its card's
 
 export class Axis {
-  #wantsDiag = false; // chosen, and no code put out yet
+  wantsDiag = false; // chosen, and no code put out yet
   #square = null; // {amplitude, centre, sign, mode}
   warnings = []; // of the last gain that was set
 
@@ -18,7 +18,7 @@ export class Axis {
     Object.assign(this, { page, machine: page.machine, number });
     const rest = () => {
       this.#square = null;
-      this.#wantsDiag = false;
+      this.wantsDiag = false;
     };
     this.machine.addEventListener("event", ({ detail: { kind, value } }) => {
       if (kind === "rewind" || (kind === "enabled" ? !value : value && POWER_ENDS.includes(kind))) rest();
@@ -39,10 +39,7 @@ export class Axis {
   get mode() {
     if (!this.param) return "off"; // the servo does not control this axis
     const name = modeName(this.param, this.#code);
-    return name === "off" && this.#wantsDiag ? "diag" : name;
-  }
-  get isDraft() {
-    return this.#wantsDiag;
+    return name === "off" && this.wantsDiag ? "diag" : name;
   }
 
   /** The square wave that the page makes; it belongs to the mode in which it was chosen. */
@@ -104,10 +101,10 @@ export class Axis {
     const was = this.mode;
     if (name === "diag" && !this.machine.enabled) throw new Error("Diag puts codes out: enable first");
     this.#square = null;
-    this.#wantsDiag = false;
+    this.wantsDiag = false;
     await this.#change({ mode: (this.param.mode & ~MODE_MASK) | (MODES[name] ?? MODES.off) });
     if (was === "diag" && name === "off" && this.machine.enabled) await this.#putOut(0);
-    this.#wantsDiag = name === "diag";
+    this.wantsDiag = name === "diag";
   }
 
   async setSource(name) {
@@ -174,7 +171,7 @@ export class Axis {
   /** Moves the setpoint by so many hundredths of its range, from where it is. */
   async nudge(hundredths) {
     const { scale, machine, page } = this;
-    if (!scale || !machine.controls || page.past) return;
+    if (!scale || !page.mayChange) return;
     const step = Math.max(1, Math.round((scale.high - scale.low) / 100));
     await machine.try(Promise.resolve(this.setSetpoint(this.setpoint + hundredths * step)));
     page.changed();

@@ -6,7 +6,6 @@ import { LINES } from "./samples.js";
 import { panicCauses } from "./status.js";
 
 const LIGHTS = ["encA1", "encB1", "encI1", "encA2", "encB2", "encI2", "beat1", "beat2", "gp1", "gp2", "power"];
-
 const FRESH_MS = 300; // since samples came
 
 export function front({ machine, row }) {

@@ -12,7 +12,7 @@ const DIAGNOSTICS = [[0, "None"], [1, "Analog loop"], [2, "Encoder"], [3, "Both"
 export function header(page) {
   const { machine, units, about } = page;
   const { driver } = machine;
-  const dead = !machine.controls || page.past;
+  const dead = !page.mayChange;
   const give = machine.enabled ? "Stop and give control back" : "Give control back";
   const other = machine.holder !== null && !machine.controls;
   const call = (request) => async (value) => {
@@ -55,6 +55,6 @@ export function banner(page) {
   const { kind, cause, next, offer, before } = condition(page, performance.now());
   const take = () => page.machine.try(page.takeSuggested());
   return html`<p id="banner" role="status" class=${kind}><strong id="cause">${cause}</strong><span id="next">${next}</span>
-    ${offer && page.machine.controls && !page.past && button("offer", "Take the robot's gains", take)}
+    ${offer && page.mayChange && button("offer", "Take the robot's gains", take)}
     ${before !== undefined && button("go-before", "Go back before it", () => page.goBack(before), { disabled: !page.machine.controls })}</p>`;
 }

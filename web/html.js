@@ -15,9 +15,6 @@ export const button = (id, text, onClick, more = {}) =>
 export const labelled = (text, control, unit = "") =>
   html`<label><span>${text}</span>${control}${unit && html`<i>${unit}</i>`}</label>`;
 
-/** Whether what this page has may be changed by a person. */
-const dead = (page) => !page.machine.controls || page.past;
-
 /** A text, number, range or checkbox of an id that shows `value`; take(value) promises that the
  * driver has it. */
 export function field(page, { id, name, type = "text", value, take, ...more }) {
@@ -27,7 +24,7 @@ export function field(page, { id, name, type = "text", value, take, ...more }) {
   const type_ = ({ target }) => drafts.type(id, target.value);
   const shown = drafts.value(id, value);
   return html`<input id=${id} type=${type} class=${drafts.has(id) ? "draft" : ""} aria-label=${name}
-    disabled=${dead(page)} ...${isBox ? { checked: shown } : { value: String(shown) }}
+    disabled=${!page.mayChange} ...${isBox ? { checked: shown } : { value: String(shown) }}
     onInput=${isBox ? null : isRange ? take_ : type_} onChange=${isRange ? null : take_}
     onBlur=${() => drafts.leave(id)} onKeyDown=${({ key }) => key === "Escape" && drafts.drop(id)}
     ...${more} />`;
@@ -35,7 +32,7 @@ export function field(page, { id, name, type = "text", value, take, ...more }) {
 
 /** One of a few that are all in sight: Escape would close an open list, and the machine drive on.
  * options: [value, text]; arrows go from one to the next, Enter takes it. */
-export function choice(page, { id, name, options, value, take, disabled = dead(page), draft = false }) {
+export function choice(page, { id, name, options, value, take, disabled = !page.mayChange, draft = false }) {
   const { drafts } = page;
   const shown = String(drafts.value(id, value));
   const walk = ({ key, currentTarget: group, target }) => {

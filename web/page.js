@@ -65,6 +65,11 @@ export class Page extends EventTarget {
     return this.moment !== null;
   }
 
+  /** Whether a person may change the machine here and now. */
+  get mayChange() {
+    return this.machine.controls && !this.past;
+  }
+
   /** The row of the history that is shown; -1: there is none. */
   get row() {
     const { history } = this.machine;

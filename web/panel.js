@@ -24,7 +24,7 @@ function panel(page, axis) {
   const { a0, a1, a2, b0, b1, b2 } = param;
   const filter = axis.gains?.tau ? `  D filtered by ${(axis.gains.tau * 1000).toFixed(2)} ms` : "";
   return html`<section class="panel" id="axis${n}-panel" tabIndex="-1" aria-label="axis ${n}">
-    <h2>Axis ${n} ${pick("mode", Object.entries(MODE_NAMES), axis.mode, (name) => axis.setMode(name), axis.isDraft)}</h2>
+    <h2>Axis ${n} ${pick("mode", Object.entries(MODE_NAMES), axis.mode, (name) => axis.setMode(name), axis.wantsDiag)}</h2>
     ${state(page, axis)}
     <div class="row">${labelled("Setp", pick("setpoint source", SOURCES, axis.source, (name) => axis.setSource(name)))}
       ${labelled("LED", control("LED", axis.light, (on) => axis.setLed(on), box))}</div>

@@ -46,8 +46,8 @@ def trace(
 ) -> None:
     """Waveforms of a part of a run, with a prepared view.
 
-    RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again, in the stretch
-    clock by clock with all assertions live. Without --at the stretch begins at the first event, or
+    RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again, in this part
+    clock by clock with all assertions live. Without --at the part begins at the first event, or
     where the motion begins.
     """
     from mmcs.folder import check_file

@@ -89,12 +89,14 @@ class Program(Connection):
 
     def serve(self, nested: bool) -> bool:
         _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self.data)
-        waits = op == wire.IOCTL and a & 0xFFFFFFFF in self._machine.waits
+        if op == wire.IOCTL:
+            a &= 0xFFFFFFFF  # held in an int, a request arrives sign-extended
+        waits = op == wire.IOCTL and a in self._machine.waits
         if waits:
             now = self._machine.now  # paused: what needs the machine's time waits for the end
             self.held = bool(now.paused and now.target < 0)
             if self.held:
-                self._say_paused(a & 0xFFFFFFFF, pid)
+                self._say_paused(a, pid)
         if self.held or (nested and waits):
             return False
         self._paused_at = None
@@ -105,7 +107,7 @@ class Program(Connection):
             self.ended = True
             self._server.becomes_line(self, request)
             return True
-        if op == wire.IOCTL and a & 0xFFFFFFFF == wire.MWAIT:
+        if op == wire.IOCTL and a == wire.MWAIT:
             self._server.watch(self)
             return True
         self.busy = True
@@ -188,7 +190,7 @@ class Program(Connection):
             return reasons.of_read(error, a)
         if op == wire.WRITE:
             return reasons.of_write(error, len(payload), joints)
-        return reasons.of_ioctl(error, a & 0xFFFFFFFF, payload, joints, 2 * machine.cards)
+        return reasons.of_ioctl(error, a, payload, joints, 2 * machine.cards)
 
     def _of_file(self, client, op: int, a: int, b: int, payload: bytes, name: bytes, pid: int):
         machine = self._machine
@@ -197,13 +199,13 @@ class Program(Connection):
             if client.driver >= 0:
                 return wire.BUS_TIMEOUT, b""
             return machine.bus(client, a, b, payload if op == wire.STORE else None)
-        if op == wire.IOCTL and a & 0xFFFFFFFF == wire.MLEASE:
+        if op == wire.IOCTL and a == wire.MLEASE:
             lease = LEASE.get(payload)
             return (self._ask(client, {"op": "lease", lease: True}) if lease else -wire.EINVAL), b""
         if client.driver < 0:
             return (-wire.ENOTTY if op == wire.IOCTL else -wire.EINVAL), b""
         if op == wire.IOCTL:
-            return machine.ioctl(client, a & 0xFFFFFFFF, payload)
+            return machine.ioctl(client, a, payload)
         if op == wire.READ:
             return self._turns.read_states(pid, client, min(a, wire.MAX_DATA))
         if op == wire.WRITE:

@@ -31,10 +31,11 @@ def differences(a: Run, b: Run) -> list[dict]:
     out = []
     for axis in range(a.axes):
         seen = {"axis": axis, "name": a.report["axes"][axis].get("name", "")}
+        seen |= dict.fromkeys(SIGNALS)
         for signal in signals if len(times) else ():
             of_a, of_b = (np.interp(times, r.log[:, 0], r.column(axis, signal)) for r in (a, b))
             seen[signal] = float(np.abs(of_a - of_b).max())
-        out.append(dict.fromkeys(SIGNALS) | seen)
+        out.append(seen)
     return out
 
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The mc driver as a Linux program on a mapped VME window: user [DEVICE ADDRESS [PRIORITY]]. main()
- * is for a program of your own to replace. docs/use/driver.md
+/* The mc driver, §2.4, as a Linux program on a mapped VME window:
+ * user [DEVICE ADDRESS [PRIORITY]]. main() is for a program of your own to replace.
  *
  *   cc -Ifirmware/mc -Ifirmware/include firmware/ports/linux/user.c firmware/mc/[a-z]*.c -lm
  *
