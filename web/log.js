@@ -9,10 +9,10 @@ const LOUD = ["error", "panic", "lost", "help"];
 const MOST = 300; // lines
 
 /** A message as a line. Its kind is not said again by a text that begins with it. */
-export function line({ t, kind, axis, text, value }) {
+export function line({ t, kind, axis, text, value, times = 1 }) {
   const of = axis >= 0 ? ` axis ${axis}` : "";
   const said = kind === "heartbeat" ? (value ? "present" : "gone") : text;
-  return `${t.toFixed(3)} s  ${kind}${of}: ${said}`;
+  return `${t.toFixed(3)} s  ${kind}${of}: ${said}${times > 1 ? `, ${times} times` : ""}`;
 }
 
 /** Whether a message is bad news: without heartbeats PANIC is up, at rest that is none. */

@@ -33,7 +33,8 @@ export class Machine extends EventTarget {
     this.heard = 0; // when samples came last, ms of this page
     this.driver = { params: [], interval_us: 2000, diag: 0, double_buffer: false };
     this.inputs = []; // of the machine, as `inputs` tells them
-    this.messages = []; // {t, kind, text, axis}: errors stay readable after a clear; left: of a branch
+    this.messages = []; // {t, kind, text, axis}: errors stay readable after a clear; left: of a
+    // branch; times: a bus error that repeats, as while the driver looks for lost cards, is one
     this.branches = []; // {from, to}, s: futures that were left by going back
     this.powerEnd = null; // s: when power ended last; null: not since the start
     this.speed = 1;
@@ -118,7 +119,9 @@ export class Machine extends EventTarget {
     if (event.kind === "param") this.read(event.axis);
     if (event.kind === "setting" || event.kind === "rewind") this.read();
     if (event.kind === "fault" || event.kind === "rewind") this.#readInputs();
-    this.messages.push(event);
+    const last = this.messages.at(-1);
+    if (event.kind === "bus" && last?.kind === "bus" && last.text === event.text) last.times = (last.times ?? 1) + 1;
+    else this.messages.push(event);
     if (this.messages.length > 5000) this.messages.splice(0, 1000);
     this.dispatchEvent(new CustomEvent("event", { detail: event }));
     this.tell(event.kind);

@@ -152,6 +152,7 @@ def test_a_fault_from_the_menu_is_told_and_healed(desk):
     page.get_by_text("Reset the bus").click()  # for visitors: after it no sample comes
     page.click("#tab-log")
     lines = "[...document.querySelectorAll('.log li')].map((e) => e.textContent)"
+    desk.until(f"() => {lines}.some((text) => /time-out at 0x6409, [0-9]+ times/.test(text))")
     desk.until(f"() => {lines}.some((text) => text.includes('sysreset'))")
     times = page.evaluate(f"() => {lines}.map(parseFloat)")
     assert times == sorted(times, reverse=True)
