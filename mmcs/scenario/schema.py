@@ -184,17 +184,14 @@ def _meaning(model: type | None, key: str) -> str:
 def _model_at(model: type | None, loc: list) -> type | None:
     """The model that a location leads to, through lists, optionals and tagged unions."""
     current: Any = model
-    for part in loc:
+    for before, part in zip([None, *loc], loc, strict=False):
         if isinstance(part, int):
             continue
         options = _models_in(current)
-        for option in options:
-            if part in _keys(option):
-                current = option.model_fields[part].annotation
-                break
-        else:
-            tagged = [o for o in options if part in _tags(o)]
-            current = tagged[0] if tagged else None
+        # behind an index a kind, which may also be a key
+        tagged = [o for o in options if isinstance(before, int) and part in _tags(o)]
+        fields = [o.model_fields[part].annotation for o in options if part in _keys(o)]
+        current = (tagged or fields or [None])[0]
     options = _models_in(current)
     return options[0] if options else None
 
