@@ -106,8 +106,9 @@ def test_exec_replays_expectations_beyond_its_end(folder):
 def test_the_driver_runs_as_a_program_on_the_mapped_window(folder, capfd):
     """firmware/ports/linux: a sine without a missed sample; bus errors of its window stop it."""
     user = compile_example(PORT)
-    broken = '[[event]]\nat = 0.5\ninput = "bus_error"\nvalue = 2\n'
-    (folder / "broken.toml").write_text('extends = "device.toml"\n' + broken)
+    for name, value in (("bus_error", 2), ("cable", 0)):
+        event = f'[[event]]\nat = 0.5\ninput = "{name}"\nvalue = {value}\n'
+        (folder / f"{name}.toml").write_text('extends = "device.toml"\n' + event)
 
     def ran(scenario, *arguments):
         words = ("--scenario", folder / scenario, "--out", folder / "out")
@@ -120,8 +121,11 @@ def test_the_driver_runs_as_a_program_on_the_mapped_window(folder, capfd):
     assert (found[1], found[2]) == ("400", "0") and 5 < int(found[3]) < 100
     status, said = ran("device.toml", "/dev/vme16", "0x7000")
     assert status == 1 and "open: No such device or address" in said
-    status, said = ran("broken.toml")
+    status, said = ran("bus_error.toml")
     assert status == 1 and "PANIC: bus error in a servo pass" in said and "write: Input/" in said
+    status, said = ran("cable.toml")
+    assert status == 1 and "PANIC: card 0 does not answer" in said and "sample: " in said
+    assert ran("device.toml", "/dev/vme16")[0] == 2
 
 
 def test_a_sweep_takes_one(folder):

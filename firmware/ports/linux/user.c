@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "mc.h"
@@ -24,6 +25,7 @@
 
 #define SAMPLES 400
 #define POLL_US 100
+#define LATE_S 1 /* a program that has waited so long for a sample ends */
 #define ENABLES (MMCS_PCCSR_SCLOCK_EN_bm | MMCS_PCCSR_PANIC_EN_bm)
 #define LATCHES (MMCS_PCCSR_SCLOCK_LATCHED_bm | MMCS_PCCSR_PANIC_LATCHED_bm)
 
@@ -150,7 +152,9 @@ static int start(const char *device, long address, int priority) {
 int main(int argc, char **argv) {
   struct mc_param param = {.which = 0};
   struct mc_state state;
+  struct timespec late;
   int joints = 1, interval = 2000, worst = 0;
+  if (argc == 2) errx(2, "usage: %s [DEVICE ADDRESS [PRIORITY]]", argv[0]);
   int client =
       start(argc > 2 ? argv[1] : "/dev/vme16", argc > 2 ? strtol(argv[2], NULL, 0) : 0x6000,
             argc > 3 ? (int)strtol(argv[3], NULL, 0) : 0);
@@ -165,8 +169,10 @@ int main(int argc, char **argv) {
   check(mc_ioctl(mc, client, MENABLE, NULL), "MENABLE");
   for (int n = 0; n < SAMPLES; n++) {
     int setpoint = (int)lround(200 * sin(6.283185307179586 * 3 * n * interval * 1e-6));
+    (void)clock_gettime(CLOCK_REALTIME, &late);
+    late.tv_sec += LATE_S;
     (void)mask(NULL);
-    (void)pthread_cond_wait(&sampled, &level);
+    check(-pthread_cond_timedwait(&sampled, &level, &late), "sample");
     unmask(NULL, 0);
     check(mc_write(mc, client, &setpoint, sizeof setpoint), "write");
     check(mc_read(mc, client, &state, sizeof state), "read");
