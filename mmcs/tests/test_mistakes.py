@@ -152,7 +152,8 @@ CASES = {
         'expect.0.hash = "12": must be 0x and 16 hexadecimal digits',
     ),
     "expect names a key": (
-        table("expect", 'kind = "axis"\nrise = 3'), "expect.0.rise: unknown key; did you mean ",
+        table("expect", 'kind = "axis"\nrise = 3'),
+        "expect.0.rise: unknown key; did you mean ",
     ),
     "expects nothing": (
         table("expect", ""),
