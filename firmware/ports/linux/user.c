@@ -2,9 +2,9 @@
 /* The mc driver, §2.4, as a Linux program on a mapped VME window:
  * user [DEVICE ADDRESS [PRIORITY]]. main() is for a program of your own to replace.
  *
- *   cc -Ifirmware/mc -Ifirmware/include firmware/ports/linux/user.c firmware/mc/[a-z]*.c -lm
- *
- *   mmcs exec --lockstep --scenario lab500 -- ./a.out
+ *   cc -Ifirmware/mc -Ifirmware/include -o user firmware/ports/linux/user.c \
+ *     firmware/mc/[a-z]*.c -lm
+ *   mmcs exec --lockstep --scenario lab500 -- ./user
  */
 #define _GNU_SOURCE
 #include <err.h>
