@@ -168,19 +168,22 @@ firmware: $(VENV)/.hosts ## cross-compile the 68020 and RISC-V images, print siz
 
 # --- mctool in the browser ------------------------------------------------------------------
 
-LIBRARIES = $(BIN)/python tools/libraries.py $(VENV)/share/mmcs/node_modules
+LIBRARIES = $(BIN)/python tools/libraries.py $(VENV)/share/mmcs
 
 $(VENV)/.tool: $(VENV)/.sim web/package-lock.json tools/libraries.py
 	@$(call INSTALL,mctool,-r pyproject.toml --extra tool)
-	@$(FETCH) "the page's libraries" $(LIBRARIES)
+	@$(FETCH) "the page's libraries" $(LIBRARIES)/node_modules
 	@touch $@
 
 tool: $(VENV)/.tool ## mctool: the machine in real time, and its page: make tool [SCENARIO=puma560]
 	@$(BIN)/mmcs tool "$(SCENARIO)"
 
-$(VENV)/.tool-test: $(VENV)/.tool $(VENV)/.test
+$(VENV)/.dev: $(VENV)/.tool
+	@$(FETCH) "the tools that check the page" $(LIBRARIES)/dev/node_modules --dev
+	@touch $@
+
+$(VENV)/.tool-test: $(VENV)/.dev $(VENV)/.test
 	@$(call INSTALL,the browser's test tools,-r pyproject.toml --extra tool-test)
-	@$(FETCH) "the page's test tools" $(LIBRARIES) --dev
 	@tools/need_debian.sh chromium chromium
 	@touch $@
 
@@ -239,13 +242,14 @@ test-netlist: $(VENV)/.test #: the synthesised netlists in the tests of the RTL,
 
 C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'bridges/*.c' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.c' | grep -v mmcs_regs.h)
 
-lint: $(VENV)/.lint ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff; zero warnings
+lint: $(VENV)/.lint $(VENV)/.tool ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff, ESLint, tsc; zero warnings
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python tools/lint.py
 
-format: $(VENV)/.lint #: rewrite C, C++ and Python in the project's format
+format: $(VENV)/.lint $(VENV)/.dev #: rewrite C, C++, Python and JavaScript in the project's format
 	@clang-format -i $(C_FILES)
 	@ruff format -q .
+	@node tools/js/format.mjs --write
 	@ruff check -q --fix .
 
 generate: $(VENV)/.test #: rewrite what is generated: registers, tables

@@ -12,7 +12,6 @@ FILES = ("mmcs.core", "tools/sources.py")
 LABS = "labs/mmcs_labs"
 LEFT_OUT = {"tests", "__pycache__", "node_modules"}
 # The page's libraries, where `make tool` has fetched them; else they are fetched now.
-UNSHIPPED = shutil.ignore_patterns("axe-core")  # of the tests
 LIBRARIES = HERE / ".venv" / "share" / "mmcs" / "node_modules"
 
 
@@ -29,7 +28,7 @@ def copy_sources(target: Path) -> None:
         shutil.copy(HERE / name, target / name)
     libraries = target / "web" / "lib"
     if LIBRARIES.is_dir():
-        shutil.copytree(LIBRARIES, libraries, ignore=UNSHIPPED, dirs_exist_ok=True)
+        shutil.copytree(LIBRARIES, libraries, dirs_exist_ok=True)
     try:
         runpy.run_path(str(HERE / "tools" / "libraries.py"))["fetch"](libraries, dev=False)
     except SystemExit as gone:

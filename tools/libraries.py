@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fetches the page's libraries, without Node: tarballs of npm, each held to its hash in
-web/package-lock.json. The registry is npm's, or $NPM_CONFIG_REGISTRY."""
+"""Fetches the page's libraries, or the tools that check it (--dev), without Node: tarballs of npm,
+each held to its hash in web/package-lock.json. The registry is npm's, or $NPM_CONFIG_REGISTRY."""
 
 import argparse
 import base64
@@ -41,17 +41,19 @@ def unpack(data: bytes, folder: Path) -> None:
 
 
 def fetch(folder: Path, dev: bool) -> None:
-    """Puts every package of the lock into the folder, those of tests if `dev`. SystemExit with one
-    line when one cannot be had, or is not what the lock names."""
+    """Makes the folder hold the lock's packages: those that the page loads, or those of tests and
+    lint if `dev`. SystemExit with one line when one cannot be had, or is not what was locked."""
     locked = json.loads((ROOT / "web" / "package-lock.json").read_text())["packages"]
-    for place, package in locked.items():
-        name, version = place.removeprefix("node_modules/"), package.get("version")
-        told = folder / name / "package.json"
-        if not place or (package.get("dev") and not dev):
-            continue
+    wanted = {place.removeprefix("node_modules/"): package for place, package in locked.items()
+              if place and bool(package.get("dev")) == dev}  # fmt: skip
+    known = {place.partition("/")[0] for place in wanted}
+    for gone in [path for path in folder.glob("*") if path.name not in known]:
+        shutil.rmtree(gone)
+    for place, package in wanted.items():
+        version, told = package["version"], folder / place / "package.json"
         if told.is_file() and json.loads(told.read_text())["version"] == version:
             continue
-        address = tarball(name, version)
+        address = tarball(place.rpartition("node_modules/")[2], version)
         try:
             data = urllib.request.urlopen(address, timeout=60).read()
         except (urllib.error.URLError, OSError) as error:
@@ -59,12 +61,12 @@ def fetch(folder: Path, dev: bool) -> None:
         kind, _, wanted = package["integrity"].partition("-")
         if base64.b64encode(hashlib.new(kind, data).digest()).decode() != wanted:
             raise SystemExit(f"libraries: {address}: its hash is not the one of package-lock.json")
-        unpack(data, folder / name)
+        unpack(data, folder / place)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--dev", action="store_true", help="what tests load, too")
+    parser.add_argument("--dev", action="store_true", help="what tests and lint load")
     arguments = parser.parse_args()
     fetch(arguments.folder, arguments.dev)

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from fpga.build import BUS, TARGETS
+from tools import libraries
 from tools.file_rules import tracked
 from tools.pages import told_age
 from tools.sources import sources
@@ -94,6 +95,13 @@ def checks() -> list[tuple[str, list[str]]]:
     jobs.append(("clang-format", ["clang-format", "--dry-run", "-Werror", *c_files]))
     jobs.append(("ruff check", ["ruff", "check", "-q", "."]))
     jobs.append(("ruff format", ["ruff", "format", "-q", "--check", "."]))
+    node_modules = Path(sys.prefix) / "share/mmcs/dev/node_modules"
+    libraries.fetch(node_modules, dev=True)
+    eslint = [f"{node_modules}/eslint/bin/eslint.js", "-c", "tools/js/eslint.config.mjs"]
+    jobs.append(("eslint", ["node", *eslint, "web", "tools/js"]))
+    tsc = [f"{node_modules}/typescript/bin/tsc", "-p", "tools/js/tsconfig.json"]
+    jobs.append(("tsc", ["node", *tsc]))
+    jobs.append(("JavaScript's format", ["node", "tools/js/format.mjs"]))
     for name, words in (
         ("registers fresh", "rtl/regs/generate.py --check"),
         ("requirements covered", "tools/trace.py"),

@@ -13,7 +13,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SBOM, NOTICES = "sbom.cdx.json", "THIRD_PARTY.txt"
-OF_TESTS = ("axe-core",)  # beside the page's libraries in a checkout
 PINNED = re.compile(r"^([\w.-]+)==(\S+)((?: \\\n +--hash=sha256:\w+)*)", re.M)
 
 
@@ -56,8 +55,6 @@ def write(folder: Path, libraries: Path) -> None:
     parts = ["mmcs carries, or is built with, what others made; their licences follow.\n"]
     for package in sorted(libraries.glob("*/package.json")):
         told = json.loads(package.read_text())
-        if told["name"] in OF_TESTS:
-            continue
         texts = [file.read_text() for file in sorted(package.parent.glob("LICEN[CS]E*"))]
         parts.append(_notice(f"{told['name']} {told['version']}, {told['license']}", texts))
     try:

@@ -102,7 +102,7 @@ def write() -> None:
 
 def _big(folder: str, names: list[str]) -> list[str]:
     """What a page does not load of a library."""
-    wanted = {"htm.module.js", "preact.module.js", "uPlot.esm.js", "uPlot.min.css"}
+    wanted = {"preact.module.js", "uPlot.esm.js", "uPlot.min.css"}
     return [name for name in names if name not in wanted]
 
 

@@ -7,9 +7,9 @@
 
 import { Arm } from "./arm.js";
 import { Axis } from "./axis.js";
-import { askedNumber, pause, setText } from "./dom.js";
+import { askedNumber, byId, pause, setText } from "./dom.js";
 import { banner, header } from "./header.js";
-import { html, render } from "./html.js";
+import { render } from "./html.js";
 import { keys } from "./keys.js";
 import { Link } from "./link.js";
 import { said } from "./log.js";
@@ -28,7 +28,6 @@ const LONGEST_MS = 600_000;
 const ROOMS = { global: header, state: banner, tiles, panels, timebar: timeBar };
 
 const asked = new URLSearchParams(location.search);
-const room = (id) => document.getElementById(id);
 
 /** The page of a machine: carrier of its messages, its workers {advice, labs}, whether to take control at
  * once, and how long the page may then be silent. Throws one sentence. */
@@ -40,11 +39,11 @@ export function run(carrier, workers, control, deadman_ms = 250) {
   const page = new Page(machine, workers, asked);
   machine.stopPath = false;
   window.addEventListener("message", ({ source, data }) => {
-    if (source !== room("stop").contentWindow || typeof data?.stopPath !== "boolean") return;
+    if (source !== byId("stop").contentWindow || typeof data?.stopPath !== "boolean") return;
     machine.stopPath = data.stopPath;
     machine.tell("stopPath");
   });
-  machine.addEventListener("event", () => setText(room("said"), said(machine)));
+  machine.addEventListener("event", () => setText(byId("said"), said(machine)));
   machine.addEventListener("hello", async () => {
     // a machine that stands still sends none
     if (!machine.history.latest(0)) await machine.seen(() => true, FIRST_SAMPLE_MS);
@@ -53,12 +52,12 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     page.axes = Array.from({ length: machine.hello.axes }, (_, n) => new Axis(page, n));
     document.title = page.title;
     page.arm = new Arm(page);
-    room("arm").append(page.arm.element);
+    byId("arm").append(page.arm.element);
     page.arm.about = page.about;
     const views = tabs(page);
     keys(page);
     page.render = () => {
-      for (const [id, view] of Object.entries(ROOMS)) render(html`${view(page)}`, room(id));
+      for (const [id, view] of Object.entries(ROOMS)) render(view(page), byId(id));
       for (const view of views) {
         view.element.inert = page.past && Boolean(view.changes);
         if (view.visible) view.update?.();
@@ -72,7 +71,8 @@ export function run(carrier, workers, control, deadman_ms = 250) {
       views.forEach((view) => view.visible && view.draw?.());
     };
     page.addEventListener("changed", page.render);
-    machine.addEventListener("samples", () => page.axes.forEach((axis) => axis.tick(machine.history.now)));
+    machine.addEventListener("samples",
+      () => page.axes.forEach((axis) => axis.tick(machine.history.now)));
     showState(page);
     drawPictures(page);
     // last: from here on a page that is busy for 250 ms stops the machine
@@ -113,12 +113,13 @@ function drawPictures(page) {
     requestAnimationFrame(() => {
       const drawn = Math.max(0, performance.now() - first - FRAME_MS);
       setTimeout(() => drawPictures(page), pause(spent + drawn));
-    }),
+    })
   );
 }
 
 async function begin(machine, interval_ms) {
-  while (!machine.stopPath) await new Promise((heard) => machine.addEventListener("stopPath", heard, { once: true }));
+  while (!machine.stopPath)
+    await new Promise((heard) => machine.addEventListener("stopPath", heard, { once: true }));
   await machine.try(machine.takeControl());
   if (interval_ms !== null) {
     const value = Math.round(interval_ms * 1000);

@@ -11,7 +11,11 @@ const TUBE_M = 0.05;
 const FLOOR_M = -0.67; // a PUMA's shoulder stands so high above it
 const MIDDLE_M = 0.15; // what the eye looks at
 const MOST_ABOVE = 1.5;
-const HAND = [[0, 0, 0.09], [0.04, 0, 0.09], [0.04, 0, 0.15], [0.04, 0, 0.09], [-0.04, 0, 0.09], [-0.04, 0, 0.15]]; // m
+const HAND = [[0, 0, 0.09], [0.04, 0, 0.09], [0.04, 0, 0.15], [0.04, 0, 0.09], [-0.04, 0, 0.09], [
+  -0.04,
+  0,
+  0.15,
+]]; // m
 const NEAR_PX = 14; // of a link's line, where it is taken by hand
 const WITHIN = 0.85; // of half the picture: the rest is for the thickness of tubes
 const BY_PX = Math.PI / 400; // rad that a joint turns for a pixel
@@ -35,7 +39,8 @@ export function frames(links, angles) {
     at = multiply(at, [ct, -st * ca, st * sa, a * ct, st, ct * ca, -ct * sa, a * st, 0, sa, ca, d]);
     places.push([at[3], at[7], at[11]]);
   });
-  const ofHand = ([x, y, z]) => [0, 4, 8].map((row) => at[row] * x + at[row + 1] * y + at[row + 2] * z + at[row + 3]);
+  const ofHand = ([x, y, z]) =>
+    [0, 4, 8].map((row) => at[row] * x + at[row + 1] * y + at[row + 2] * z + at[row + 3]);
   return [...places, ...HAND.map(ofHand)];
 }
 
@@ -54,7 +59,7 @@ export class Arm {
     this.page = page;
     this.canvas = el("canvas", {});
     this.element = el("div", { className: "arm own-keys", tabIndex: 0, role: "img",
-      "aria-label": "the arm; arrow keys turn the view" }, this.canvas);  // prettier-ignore
+      "aria-label": "the arm; arrow keys turn the view" }, this.canvas);
     this.turn = { around: 0.8, above: 0.35, away: 2.6 };
     this.#listen();
     new ResizeObserver(() => this.again()).observe(this.element);
@@ -62,7 +67,8 @@ export class Arm {
   }
 
   set about({ motors = [], links = [] }) {
-    Object.assign(this, { motors, links });
+    this.motors = motors;
+    this.links = links;
     this.again();
   }
 
@@ -95,7 +101,9 @@ export class Arm {
       this.draw();
     });
     this.element.addEventListener("keydown", (event) => {
-      const by = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
+      const by =
+        { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1],
+          ArrowDown: [0, -0.1] }[event.key];
       if (!by) return;
       event.preventDefault();
       move(...by);
@@ -106,10 +114,13 @@ export class Arm {
   #at(x, y) {
     const far = ({ from, to }) => {
       const [u, v] = [to.x - from.x, to.y - from.y];
-      const part = Math.max(0, Math.min(1, ((x - from.x) * u + (y - from.y) * v) / (u * u + v * v || 1)));
+      const part = Math.max(0,
+        Math.min(1, ((x - from.x) * u + (y - from.y) * v) / (u * u + v * v || 1)));
       return Math.hypot(from.x + part * u - x, from.y + part * v - y);
     };
-    const near = this.seen.map((one) => ({ ...one, px: far(one) })).filter(({ px }) => px < NEAR_PX);
+    const near = this.seen.map((one) => ({ ...one, px: far(one) })).filter(({ px }) =>
+      px < NEAR_PX
+    );
     return near.sort((a, b) => a.px - b.px)[0]?.joint;
   }
 
@@ -123,8 +134,11 @@ export class Arm {
       this.#dragged = null;
       return;
     }
-    const counts = ((x - began) * BY_PX * motors[joint].counts_per_rev * Math.abs(motors[joint].gear)) / (2 * Math.PI);
-    page.drafts.take("arm", setpoint + Math.round(counts), (value) => axis.setSetpoint(value), true);
+    const counts =
+      ((x - began) * BY_PX * motors[joint].counts_per_rev * Math.abs(motors[joint].gear))
+      / (2 * Math.PI);
+    page.drafts.take("arm", setpoint + Math.round(counts), (value) => axis.setSetpoint(value),
+      true);
   }
 
   /** The picture of a row of the history, if it differs from the one that is there. */
@@ -162,14 +176,16 @@ export class Arm {
     const { around, above, away } = this.turn;
     const [ca, sa, ce, se] = [Math.cos(around), Math.sin(around), Math.cos(above), Math.sin(above)];
     let zoom = Math.min(width, height) * 1.3;
-    const see = ([x, y, z]) => {
+    const see = (/** @type {number[]} */ [x, y, z]) => {
       const [right, ahead] = [-sa * x + ca * y, ca * x + sa * y];
       const depth = away - (ce * ahead + se * (z - MIDDLE_M));
       const up = ce * (z - MIDDLE_M) - se * ahead;
       const scale = zoom / Math.max(0.2, depth);
       return { x: width / 2 + right * scale, y: height / 2 - up * scale, scale, depth };
     };
-    const out = places.map(see).map(({ x, y }) => Math.max(Math.abs((2 * x) / width - 1), Math.abs((2 * y) / height - 1)));
+    const out = places.map(see).map(({ x, y }) =>
+      Math.max(Math.abs((2 * x) / width - 1), Math.abs((2 * y) / height - 1))
+    );
     zoom *= Math.min(1, WITHIN / Math.max(...out));
     return see;
   }
@@ -185,10 +201,14 @@ export class Arm {
       points.map(see).forEach(({ x, y }) => pen.lineTo(x, y));
       pen.stroke();
     };
-    for (let n = -4; n <= 4; n++)
-      for (const points of [[[n / 4, -1, FLOOR_M], [n / 4, 1, FLOOR_M]], [[-1, n / 4, FLOOR_M], [1, n / 4, FLOOR_M]]])
-        line(points, this.#colour("--line"), 1);  // prettier-ignore
-    line(places.map(([x, y]) => [x, y, FLOOR_M]), this.#colour("--shade"), 9);  // its shadow
+    for (let n = -4; n <= 4; n++) {
+      for (const points of [[[n / 4, -1, FLOOR_M], [n / 4, 1, FLOOR_M]], [[-1, n / 4, FLOOR_M], [1,
+        n / 4, FLOOR_M]]])
+      {
+        line(points, this.#colour("--line"), 1);
+      }
+    }
+    line(places.map(([x, y]) => [x, y, FLOOR_M]), this.#colour("--shade"), 9); // its shadow
     const tubes = [{ from: [0, 0, FLOOR_M], to: [0, 0, 0], r: TUBE_M * 1.5 }];
     for (let n = 1; n < places.length; n++) {
       const [from, to] = [places[n - 1], places[n]];
@@ -196,7 +216,9 @@ export class Arm {
       if (Math.hypot(...from.map((v, k) => v - to[k])) > 1e-4)
         tubes.push({ joint, from, to, r: TUBE_M * (1.15 - (0.95 * n) / places.length) });
     }
-    this.seen = tubes.slice(1).map(({ joint, from, to }) => ({ joint, from: see(from), to: see(to) }));
+    this.seen = tubes.slice(1).map(({ joint, from, to }) => ({ joint, from: see(from),
+      to: see(to) })
+    );
     const depth = ({ from, to }) => see(from.map((v, k) => (v + to[k]) / 2)).depth;
     for (const { joint, from, to, r } of tubes.sort((a, b) => depth(b) - depth(a))) {
       const thick = 2 * r * see(from).scale;
@@ -238,7 +260,8 @@ export class Arm {
       pen.fill();
       pen.stroke();
       for (let k = 0; k < 36; k++) {
-        const [s, c, long] = [Math.sin((k * Math.PI) / 18), Math.cos((k * Math.PI) / 18), k % 9 ? 0.06 : 0.14];
+        const [s, c, long] = [Math.sin((k * Math.PI) / 18), Math.cos((k * Math.PI) / 18),
+          k % 9 ? 0.06 : 0.14];
         pen.lineWidth = 1;
         pen.beginPath();
         pen.moveTo(x + r * s, y - r * c);

@@ -3,7 +3,8 @@
 // wave or a code of Diag. Each change begins with what the one before it left in the driver.
 
 import { parseInteger, parseNumber } from "./dom.js";
-import { FLAGS, gainsOf, INT_MAX, INT_MIN, isBounded, MODE_MASK, modeName, MODES, setpointScale } from "./params.js";
+import { FLAGS, gainsOf, INT_MAX, INT_MIN, isBounded, MODE_MASK, modeName, MODES,
+  setpointScale } from "./params.js";
 
 const POWER_ENDS = ["stopped", "panic"]; // what the page makes ends too
 const SQUARE_MS = 1000; // half a period, in the machine's time
@@ -15,13 +16,16 @@ export class Axis {
   warnings = []; // of the last gain that was set
 
   constructor(page, number) {
-    Object.assign(this, { page, machine: page.machine, number });
+    this.page = page;
+    this.machine = page.machine;
+    this.number = number;
     const rest = () => {
       this.#square = null;
       this.wantsDiag = false;
     };
     this.machine.addEventListener("event", ({ detail: { kind, value } }) => {
-      if (kind === "rewind" || (kind === "enabled" ? !value : value && POWER_ENDS.includes(kind))) rest();
+      if (kind === "rewind" || (kind === "enabled" ? !value : value && POWER_ENDS.includes(kind)))
+        rest();
     });
     this.machine.addEventListener("control", rest);
   }
@@ -99,7 +103,8 @@ export class Axis {
   /** The D/A keeps a code of MSETDAC until the mode changes: Off after Diag takes it back. */
   async setMode(name) {
     const was = this.mode;
-    if (name === "diag" && !this.machine.enabled) throw new Error("Diag puts codes out: enable first");
+    if (name === "diag" && !this.machine.enabled)
+      throw new Error("Diag puts codes out: enable first");
     this.#square = null;
     this.wantsDiag = false;
     await this.#change({ mode: (this.param.mode & ~MODE_MASK) | (MODES[name] ?? MODES.off) });
@@ -141,8 +146,10 @@ export class Axis {
     const { p = 0, i = 0, d = 0, tau = 0 } = this.gains ?? {};
     const made = await this.page.design({ p, i, d, tau, [name]: percent / 100 }, this.interval_s);
     this.warnings = made.warnings;
-    if (percent < 0)
-      this.warnings = [`${name.toUpperCase()} is negative: the loop drives away from its setpoint.`, ...made.warnings];
+    if (percent < 0) {
+      this.warnings = [`${name.toUpperCase()} is negative: the loop drives away from its setpoint.`,
+        ...made.warnings];
+    }
     if (made.coefficients) await this.#change(made.coefficients);
   }
 
@@ -152,12 +159,19 @@ export class Axis {
     const typed = parseNumber(String(text));
     const value = typed === null || !scale ? NaN : typed / scale.by;
     const whole = this.page.units.physical ? Math.round(value) : value;
-    if (!Number.isInteger(whole) || whole < INT_MIN || whole > INT_MAX) throw new Error(`"${text}" is no setpoint`);
+    if (!Number.isInteger(whole) || whole < INT_MIN || whole > INT_MAX)
+      throw new Error(`"${text}" is no setpoint`);
     const top = Math.abs(whole);
-    if (this.mode === "torq" && top > param.ilim)
-      throw new Error(`${top} D/A units are more than ilim, ${param.ilim}: raise it under "Every parameter"`);
-    if (this.mode === "pos" && isBounded(param) && (whole < param.plo || whole > param.phi))
-      throw new Error(`${whole} counts are beyond the limits plo and phi, ${param.plo} to ${param.phi}`);
+    if (this.mode === "torq" && top > param.ilim) {
+      throw new Error(
+        `${top} D/A units are more than ilim, ${param.ilim}: raise it under "Every parameter"`,
+      );
+    }
+    if (this.mode === "pos" && isBounded(param) && (whole < param.plo || whole > param.phi)) {
+      throw new Error(
+        `${whole} counts are beyond the limits plo and phi, ${param.plo} to ${param.phi}`,
+      );
+    }
     return this.setSetpoint(whole);
   }
 
@@ -185,6 +199,8 @@ export class Axis {
     if (sign === square.sign) return;
     square.sign = sign;
     const value = square.centre + sign * square.amplitude;
-    machine.try(this.mode === "diag" ? this.#putOut(value) : machine.setSetpoint(this.number, value));
+    machine.try(
+      this.mode === "diag" ? this.#putOut(value) : machine.setSetpoint(this.number, value),
+    );
   }
 }

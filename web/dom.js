@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small helpers for pages: elements, numbers as people type them.
 
+/** An element of the page, of whatever kind.
+ * @returns {any} */
+export const byId = (id) => document.getElementById(id);
+
 /** An element: el("button", {title: "…", onclick: f}, "text", child). */
 export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
@@ -21,11 +25,8 @@ export function button(id, textContent, onclick, more = {}) {
 
 /** A select with [value, text] options. */
 export function choice(options, attributes = {}) {
-  return el(
-    "select",
-    attributes,
-    ...options.map(([value, text]) => el("option", { value, textContent: text })),
-  );
+  return el("select", attributes,
+    ...options.map(([value, text]) => el("option", { value, textContent: text })));
 }
 
 /** A control with its name before it. */
@@ -39,8 +40,10 @@ export function labelled(text, control, unit = "") {
  */
 export function parseNumber(text) {
   const plain = text.trim().replace(/^\+/, "");
-  if (/^-?\d+([.]\d+)?(e[-+]?\d+)?$/i.test(plain)) return Number.isFinite(Number(plain)) ? Number(plain) : null;
-  if (/^-?\d+,\d{1,2}$|^-?\d+,\d{4,}$|^-?0,\d+$/.test(plain)) return Number(plain.replace(",", "."));
+  if (/^-?\d+([.]\d+)?(e[-+]?\d+)?$/i.test(plain))
+    return Number.isFinite(Number(plain)) ? Number(plain) : null;
+  if (/^-?\d+,\d{1,2}$|^-?\d+,\d{4,}$|^-?0,\d+$/.test(plain))
+    return Number(plain.replace(",", "."));
   return null;
 }
 
@@ -83,7 +86,7 @@ const CLICK_PX = 4;
 
 /** Fingers and buttons on an element: one carries, pan(from, to); two stretch, zoom(factor, about); one that
  * does not move is a click, tap(x, y). All in pixels of the element. takes(event): whether one counts. */
-export function gestures(element, { takes, pan, zoom, tap = () => {} }) {
+export function gestures(element, { takes, pan, zoom, tap = (_x, _y) => {} }) {
   const pointers = new Map();
   const act = (event) => {
     const { type, pointerId: id, clientX, clientY } = event;
@@ -97,14 +100,16 @@ export function gestures(element, { takes, pan, zoom, tap = () => {} }) {
       const other = [...pointers].find(([one]) => one !== id)?.[1].x;
       const moved = was.moved || Math.abs(x - was.began) > CLICK_PX;
       pointers.set(id, { ...was, x, moved });
-      if (other !== undefined) zoom(Math.abs(was.x - other) / Math.max(1, Math.abs(x - other)), other);
+      if (other !== undefined)
+        zoom(Math.abs(was.x - other) / Math.max(1, Math.abs(x - other)), other);
       else if (moved) pan(was.x, x);
     } else if (was) {
       pointers.delete(id);
       if (type === "pointerup" && !was.moved) tap(x, clientY - top);
     }
   };
-  for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) element.addEventListener(type, act);
+  for (const type of ["pointerdown", "pointermove", "pointerup", "pointercancel"])
+    element.addEventListener(type, act);
 }
 
 const LEAST_MS = 80; // between pictures

@@ -8,7 +8,8 @@ export class Drafts {
 
   /** refused(error) tells people; changed() draws. */
   constructor(refused, changed) {
-    Object.assign(this, { refused, changed });
+    this.refused = refused;
+    this.changed = changed;
   }
 
   /** The end of the last change that was asked for. */

@@ -2,8 +2,7 @@
 // The topmost panel of chapter 3: enable, interval, diagnostics, who controls, the great lamps; and the
 // banner: what the machine is in, why, and what comes next (status.js).
 
-import { parseInteger } from "./dom.js";
-import { button, choice, field, html, labelled } from "./html.js";
+import { button, choice, field, h, labelled, row } from "./html.js";
 import { LINES } from "./samples.js";
 import { condition } from "./status.js";
 
@@ -19,31 +18,50 @@ export function header(page) {
     await machine.link.call(request, { value: Number(value) });
     await machine.read();
   };
-  const title = "gains, friction compensation, limits and interval that the robot file or the scenario suggests";
-  return html`<div class="row"><h1 title=${machine.hello.scenario}>${page.title}</h1>${lamps(page)}
-      <output id="time" aria-live="off">${page.row < 0 ? "" : `${page.t.toFixed(2)} s`}</output><span class="grow"></span>
-      ${button("units", units.physical ? "Units: °, A" : "Units: counts, D/A", () => units.set(!units.physical),
-        { title: "counts and D/A units, or degrees and amperes", "aria-pressed": String(units.physical) })}</div>
-    <div class="row">
-      ${button("control", machine.controls ? give : other ? "Controlled by another" : "Take control",
-        () => page.toControl(), { disabled: other || !machine.connected })}
-      ${button("enable", "Enable", () => page.enable(),
-        { title: "E, then Enter", disabled: dead, class: dead || machine.enabled ? "" : "filled" })}
-      ${about.servo && button("robot-gains", "Robot's gains", () => machine.try(page.takeSuggested()), { title, disabled: dead })}
-      ${button("clear", "Clear errors", () => machine.try(machine.link.call("MCLEARERROR")), { disabled: dead })}
-      ${labelled("Interval", field(page, { id: "interval", size: 7, value: driver.interval_us, take: (text) => page.setInterval(text) }), "µs")}
-      <details class="gear"><summary title="rarely used">⚙</summary><div class="row">
-      ${labelled("Diag", choice(page, { id: "diag", name: "diagnostics", options: DIAGNOSTICS, value: driver.diag, take: call("MDIAGMODE") }))}
-      ${labelled("Double D/A", field(page, { id: "double", type: "checkbox", value: driver.double_buffer, take: call("MDACMODE") }))}
-      </div></details></div>`;
+  const title =
+    "gains, friction compensation, limits and interval that the robot file or the scenario suggests";
+  const wide = { title: "counts and D/A units, or degrees and amperes",
+    "aria-pressed": String(units.physical) };
+  const filled = dead || machine.enabled ? "" : "filled";
+  return [
+    row(h("h1", { title: machine.hello.scenario }, page.title), lamps(page),
+      h("output", { id: "time", "aria-live": "off" }, page.row < 0 ? "" : `${page.t.toFixed(2)} s`),
+      h("span", { class: "grow" }),
+      button("units", units.physical ? "Units: °, A" : "Units: counts, D/A", () =>
+        units.set(!units.physical), wide)),
+    row(
+      button("control", machine.controls ? give : other ? "Controlled by another" : "Take control",
+        () => page.toControl(), { disabled: other || !machine.connected }),
+      button("enable", "Enable", () => page.enable(), { title: "E, then Enter", disabled: dead,
+        class: filled }),
+      about.servo
+        && button("robot-gains", "Robot's gains", () => machine.try(page.takeSuggested()), { title,
+          disabled: dead }),
+      button("clear", "Clear errors", () => machine.try(machine.link.call("MCLEARERROR")), {
+        disabled: dead,
+      }),
+      labelled("Interval",
+        field(page, { id: "interval", size: 7, value: driver.interval_us, take: (text) =>
+          page.setInterval(text) }), "µs"),
+      h("details", { class: "gear" }, h("summary", { title: "rarely used" }, "⚙"),
+        row(
+          labelled("Diag",
+            choice(page, { id: "diag", name: "diagnostics", options: DIAGNOSTICS,
+              value: driver.diag, take: call("MDIAGMODE") })),
+          labelled("Double D/A",
+            field(page, { id: "double", type: "checkbox", value: driver.double_buffer,
+              take: call("MDACMODE") })),
+        )),
+    ),
+  ];
 }
 
-function lamps({ machine, row }) {
-  if (row < 0) return null;
+function lamps({ machine, row: at }) {
+  if (at < 0) return null;
   const { history } = machine;
-  const on = (bit) => Boolean(history.value(row, history.linesColumn) & bit);
+  const on = (bit) => Boolean(history.value(at, history.linesColumn) & bit);
   const [drives, panic, free] = [on(LINES.enabled), on(LINES.panic), on(LINES.brakes)];
-  const lamp = (text, kind) => html`<span class="lamp ${kind}">${text}</span>`;
+  const lamp = (text, kind) => h("span", { class: `lamp ${kind}` }, text);
   // without heartbeats PANIC is up: at rest that is as it should be
   return [lamp(drives ? "● servo on" : "○ servo off", drives ? "good" : "dark"),
     lamp(panic ? "▲ PANIC" : "△ no PANIC", panic && drives ? "bad" : "dark"),
@@ -54,7 +72,11 @@ function lamps({ machine, row }) {
 export function banner(page) {
   const { kind, cause, next, offer, before } = condition(page, performance.now());
   const take = () => page.machine.try(page.takeSuggested());
-  return html`<p id="banner" role="status" class=${kind}><strong id="cause">${cause}</strong><span id="next">${next}</span>
-    ${offer && page.mayChange && button("offer", "Take the robot's gains", take)}
-    ${before !== undefined && button("go-before", "Go back before it", () => page.goBack(before), { disabled: !page.machine.controls })}</p>`;
+  return h("p", { id: "banner", role: "status", class: kind }, h("strong", { id: "cause" }, cause),
+    h("span", { id: "next" }, next),
+    offer && page.mayChange && button("offer", "Take the robot's gains", take),
+    before !== undefined
+      && button("go-before", "Go back before it", () => page.goBack(before), {
+        disabled: !page.machine.controls,
+      }));
 }

@@ -2,7 +2,7 @@
 // The lab sheets: their text, a form for the answer, and its marks. The form makes an answer.toml, which
 // labs/mmcs_labs/page.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
 
-import { button, choice, download, el, labelled, setText } from "./dom.js";
+import { button, byId, choice, download, el, labelled, setText } from "./dom.js";
 
 const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
 const WORDS = new Set(["true", "false", "inf", "nan"]);
@@ -35,10 +35,14 @@ export function labsView(page) {
   const form = el("div", { className: "lab-form", role: "group", "aria-label": "your answers" });
   const said = el("p", { id: "lab-said", role: "status" });
   const rows = el("tbody");
-  const marks = el("table", { hidden: true, id: "lab-marks" }, el("thead", {},
-    el("tr", {}, ...["question", "points", "why"].map((head) => el("th", {}, head)))), rows);  // prettier-ignore
-  const check = button("lab-check", "Check", grade, { title: "runs the sheet's scenarios with your answers" });
-  const save = button("lab-save", "Save answer.toml", () => download("answer.toml", answer(), "text/plain"));
+  const marks = el("table", { hidden: true, id: "lab-marks" },
+    el("thead", {},
+      el("tr", {}, ...["question", "points", "why"].map((head) => el("th", {}, head)))), rows);
+  const check = button("lab-check", "Check", grade, {
+    title: "runs the sheet's scenarios with your answers",
+  });
+  const save = button("lab-save", "Save answer.toml",
+    () => download("answer.toml", answer(), "text/plain"));
   const commands = el("p", { id: "lab-commands" });
   let grader = null;
   let sheet = null;
@@ -47,8 +51,8 @@ export function labsView(page) {
 
   function typedField(name, example, label) {
     const typed = kept.get(sheet.number);
-    const field = el("input", { type: "text", id: `lab-${name}`, value: typed[name] ?? "", "aria-label": label,
-      placeholder: example, oninput: () => (typed[name] = field.value) });  // prettier-ignore
+    const field = el("input", { type: "text", id: `lab-${name}`, value: typed[name] ?? "",
+      "aria-label": label, placeholder: example, oninput: () => (typed[name] = field.value) });
     return field;
   }
 
@@ -56,7 +60,7 @@ export function labsView(page) {
   function takeFrom({ key, members }) {
     const param = machine.driver.params[page.axis];
     for (const name of param ? members : []) {
-      const field = document.getElementById(`lab-${key}.${name}`);
+      const field = byId(`lab-${key}.${name}`);
       field.value = String(param[name]);
       field.dispatchEvent(new Event("input"));
     }
@@ -69,7 +73,8 @@ export function labsView(page) {
       : [typedField(key, example, key)];
     if (members.length && members.every((name) => name in (machine.driver.params[0] ?? {})))
       inner.push(button(`lab-take-${key}`, "From the chosen axis", () => takeFrom(field)));
-    return el("div", { className: "row" }, el("b", {}, key), ...inner, el("span", { className: "hint" }, hint));
+    return el("div", { className: "row" }, el("b", {}, key), ...inner,
+      el("span", { className: "hint" }, hint));
   }
 
   async function open() {
@@ -82,7 +87,7 @@ export function labsView(page) {
     text.innerHTML = sheet.html; // made from Markdown without HTML
     form.replaceChildren(...sheet.fields.map(fieldRow));
     commands.replaceChildren("The scenarios to work with: ", el("code", {}, sheet.start),
-      " · the same check: ", el("code", {}, sheet.check));  // prettier-ignore
+      " · the same check: ", el("code", {}, sheet.check));
     marks.hidden = true;
     setText(said, "");
   }
@@ -92,11 +97,17 @@ export function labsView(page) {
     check.disabled = true;
     setText(said, "Your answers are run; the first time builds a machine for them.");
     try {
-      const { marks: found, points, of } = await ask("check", { number: graded.number, answer: answer() });
+      const { marks: found, points, of } = await ask("check", { number: graded.number,
+        answer: answer() });
       if (sheet !== graded) return;
       setText(said, `${points} of ${of} points`);
-      rows.replaceChildren(...found.map((mark) => el("tr", { className: mark.points ? "good" : "bad" },
-        el("th", {}, mark.key), el("td", {}, `${mark.points ? "✓" : "✗"} ${mark.points} of ${mark.of}`), el("td", {}, mark.why))));  // prettier-ignore
+      rows.replaceChildren(
+        ...found.map((mark) =>
+          el("tr", { className: mark.points ? "good" : "bad" }, el("th", {}, mark.key),
+            el("td", {}, `${mark.points ? "✓" : "✗"} ${mark.points} of ${mark.of}`),
+            el("td", {}, mark.why))
+        ),
+      );
       marks.hidden = false;
       marks.scrollIntoView({ block: "nearest" });
     } catch ({ message }) {
@@ -112,14 +123,19 @@ export function labsView(page) {
     if (list.options.length) return;
     try {
       const { sheets } = await ask("sheets");
-      list.append(...sheets.map(({ number, title }) => el("option", { value: number, textContent: `${number} ${title}` })));
+      list.append(
+        ...sheets.map(({ number, title }) =>
+          el("option", { value: number, textContent: `${number} ${title}` })
+        ),
+      );
       await open();
     } catch ({ message }) {
       setText(said, message);
     }
   }
 
-  const element = el("div", { className: "labs" }, el("div", { className: "row" }, labelled("Sheet", list), commands),
-    text, form, el("div", { className: "row" }, check, save, said), marks);  // prettier-ignore
+  const element = el("div", { className: "labs" },
+    el("div", { className: "row" }, labelled("Sheet", list), commands), text, form,
+    el("div", { className: "row" }, check, save, said), marks);
   return { title: "Labs", element, visible: false, shown };
 }

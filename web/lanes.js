@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // The screen of the scope: a lane for each kind of quantity, one above the other over the same time.
 
-import uPlot from "./lib/uplot/uPlot.esm.js";
 import { colour, el, gestures } from "./dom.js";
+import uPlot from "./lib/uplot/uPlot.esm.js";
 import { envelope } from "./samples.js";
 
 // Told apart by colour-blind readers (look.css), and by their dashes.
 const COLOURS = ["--c0", "--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
 const DASHES = [[], [8, 3], [2, 2], [8, 3, 2, 3]];
 const LANES = { encnow: "position", setpoint: "position", demand: "position", fbnow: "position",
-  error: "error", vel: "velocity", current: "current", inow: "current", adcvai: "A/D", errcode: "errors" };  // prettier-ignore
+  error: "error", vel: "velocity", current: "current", inow: "current", adcvai: "A/D",
+  errcode: "errors" };
 const QUANTITIES = { position: "position", error: "position", current: "current" };
 const WHOLE = Array.from({ length: 10 }, (_, n) => [1, 2, 5].map((step) => step * 10 ** n)).flat();
 const BOTTOM = 34; // of the time axis
 const LEAST = 46; // height of a lane
 
-export const style = (n) => ({
-  stroke: COLOURS[n % COLOURS.length],
-  dash: DASHES[Math.floor(n / COLOURS.length) % DASHES.length],
-});
+export const style = (n) => ({ stroke: COLOURS[n % COLOURS.length],
+  dash: DASHES[Math.floor(n / COLOURS.length) % DASHES.length] });
 /** What a field is measured in, for units.js; "" for none. */
 export const quantityOf = (field) => QUANTITIES[LANES[field]] ?? "";
 
@@ -29,7 +28,9 @@ export class Lanes {
 
   /** zoom(from, to) when a span was drawn with the pointer, roll() at a double-click, wheel(factor, t). */
   constructor(units, { zoom, roll, wheel }) {
-    Object.assign(this, { units, zoom, roll });
+    this.units = units;
+    this.zoom = zoom;
+    this.roll = roll;
     this.pointer = null; // s, where the pointer is
     this.marks = []; // {t, name}
     this.element = el("div", { className: "screen" });
@@ -40,10 +41,13 @@ export class Lanes {
       wheel(Math.exp(event.deltaY / 500), this.pointer);
     });
     const left = (of) => of.getBoundingClientRect().left;
-    const time = (x) => this.#plots[0].posToVal(x + left(this.element) - left(this.#plots[0].over), "x");
-    gestures(this.element, { takes: ({ pointerType }) => pointerType === "touch" && this.#plots.length,
+    const time = (x) =>
+      this.#plots[0].posToVal(x + left(this.element) - left(this.#plots[0].over), "x");
+    gestures(this.element, {
+      takes: ({ pointerType }) => pointerType === "touch" && this.#plots.length,
       zoom: (factor, x) => wheel(factor, time(x)),
-      pan: (was, x) => this.zoom(...this.view.map((t) => t + time(was) - time(x))) });
+      pan: (was, x) => this.zoom(...this.view.map((t) => t + time(was) - time(x))),
+    });
     new ResizeObserver(() => this.#fit()).observe(this.element);
     units.addEventListener("change", anew);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);
@@ -54,7 +58,9 @@ export class Lanes {
     this.series = series;
     for (const plot of this.#plots) plot.destroy();
     const names = [...new Set(series.map(({ channel }) => LANES[channel.field] ?? channel.field))];
-    this.#lanes = names.map((name) => series.filter(({ channel }) => (LANES[channel.field] ?? channel.field) === name));
+    this.#lanes = names.map((name) =>
+      series.filter(({ channel }) => (LANES[channel.field] ?? channel.field) === name)
+    );
     this.#plots = this.#lanes.map((lane, n) => this.#plot(names[n], lane, n === names.length - 1));
     this.#size = "";
     this.#fit();
@@ -67,43 +73,34 @@ export class Lanes {
   #plot(name, lane, last) {
     const ink = colour("--soft");
     const grid = { stroke: colour("--shade"), width: 1 };
-    const { by, unit } = quantityOf(lane[0].channel.field) ? this.#scale(lane[0]) : { by: 1, unit: "" };
-    const series = lane.map((one) => ({
-      label: one.name,
-      stroke: colour(one.channel.stroke),
-      dash: one.overlay ? [3, 4] : one.channel.dash,
-      width: one.overlay ? 1 : 1.5,
-      spanGaps: true,
-      points: { show: false },
-    }));
-    const plot = new uPlot(
-      {
-        width: 400,
-        height: 100,
-        scales: { x: { time: false, auto: false }, y: { range: (u, low, high) => around(low, high, by) } },
-        axes: [{ show: last, stroke: ink, grid, ticks: grid, size: BOTTOM, label: last ? "s" : "", labelSize: 14,
-          labelGap: -4 }, { stroke: ink, grid, ticks: grid, size: 64, ...(by === 1 && { incrs: WHOLE }), label: unit ? `${name}, ${unit}` : name,
-          labelSize: 16, labelGap: 0, labelFont: "11px sans-serif" }],
-        series: [{}, ...series],
-        legend: { show: false },
-        padding: [9, 10, last ? 0 : 8, 0],
-        cursor: { drag: { x: true, y: false, setScale: false }, sync: { key: "scope" }, points: { show: false } },
-        hooks: {
-          setSelect: [(u) => this.#select(u)],
-          setCursor: [(u) => { this.pointer = u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : null; }],
-          draw: [(u) => this.#drawMarks(u)],
-        },
-      },
-      [[], ...series.map(() => [])],
-      this.element,
-    );  // prettier-ignore
+    const { by, unit } = quantityOf(lane[0].channel.field) ? this.#scale(lane[0])
+      : { by: 1, unit: "" };
+    const series = lane.map((one) => ({ label: one.name, stroke: colour(one.channel.stroke),
+      dash: one.overlay ? [3, 4] : one.channel.dash, width: one.overlay ? 1 : 1.5, spanGaps: true,
+      points: { show: false } })
+    );
+    const plot = new uPlot({ width: 400, height: 100,
+      scales: { x: { time: false, auto: false },
+        y: { range: (u, low, high) => around(low, high, by) } },
+      axes: [{ show: last, stroke: ink, grid, ticks: grid, size: BOTTOM, label: last ? "s" : "",
+        labelSize: 14, labelGap: -4 }, { stroke: ink, grid, ticks: grid, size: 64,
+        ...(by === 1 && { incrs: WHOLE }), label: unit ? `${name}, ${unit}` : name, labelSize: 16,
+        labelGap: 0, labelFont: "11px sans-serif" }], series: [{}, ...series],
+      legend: { show: false }, padding: [9, 10, last ? 0 : 8, 0],
+      cursor: { drag: { x: true, y: false, setScale: false }, sync: { key: "scope" },
+        points: { show: false } },
+      hooks: { setSelect: [(u) => this.#select(u)], setCursor: [(u) => {
+        this.pointer = u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : null;
+      }], draw: [(u) => this.#drawMarks(u)] } }, [[], ...series.map(() => [])], this.element);
     plot.over.addEventListener("dblclick", () => this.roll());
     return plot;
   }
 
   #select(u) {
     if (u.select.width < 4) return;
-    const [from, to] = [u.select.left, u.select.left + u.select.width].map((x) => u.posToVal(x, "x"));
+    const [from, to] = [u.select.left, u.select.left + u.select.width].map((x) =>
+      u.posToVal(x, "x")
+    );
     u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
     this.zoom(from, to);
   }
@@ -115,7 +112,7 @@ export class Lanes {
     this.#size = size;
     const each = Math.max(LEAST, (height - BOTTOM) / Math.max(1, this.#plots.length));
     this.#plots.forEach((plot, n) =>
-      plot.setSize({ width, height: each + (n === this.#plots.length - 1 ? BOTTOM : 0) }),
+      plot.setSize({ width, height: each + (n === this.#plots.length - 1 ? BOTTOM : 0) })
     );
     if (this.view) this.draw(...this.view);
   }
@@ -129,7 +126,8 @@ export class Lanes {
         const { source, shift, channel } = one;
         const low = Math.max(source.first, source.find(from - shift) - 1);
         const high = Math.min(source.end, source.find(to - shift) + 1);
-        const [t, v] = envelope(source, source.column(channel.axis, channel.field), low, high, pixels);
+        const [t, v] = envelope(source, source.column(channel.axis, channel.field), low, high,
+          pixels);
         const { by } = this.#scale(one);
         return [shift ? t.map((s) => s + shift) : t, by === 1 ? v : v.map((value) => value * by)];
       });
@@ -158,7 +156,8 @@ export class Lanes {
   }
 }
 
-/** A range that leaves air, at least `least`, and does not jump with every tick of noise. */
+/** A range that leaves air, at least `least`, and does not jump with every tick of noise.
+ * @returns {[number, number]} */
 function around(low, high, least) {
   if (low === null || high === null || low === undefined) return [-1, 1];
   const air = Math.max((high - low) * 0.08, Math.abs(high) * 0.02, least);

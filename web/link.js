@@ -79,15 +79,11 @@ export class Link extends EventTarget {
  * gone: what is told then, if the server gives no reason. */
 export function socketCarrier(address, gone = "the page's server is gone") {
   const worker = new Worker("socket.js");
-  const carrier = {
-    onText: () => {},
-    onBytes: () => {},
-    onClose: () => {},
+  const carrier = { onText: (_) => {}, onBytes: (_) => {}, onClose: (_) => {},
     send: (text) => worker.postMessage({ send: text }),
     close: () => worker.postMessage({ close: true }),
     pulse: (ms) => worker.postMessage({ pulse: ms }),
-    connect: () => worker.postMessage({ connect: address, gone }),
-  };
+    connect: () => worker.postMessage({ connect: address, gone }) };
   worker.onmessage = ({ data }) => {
     if (data.text) carrier.onText(data.text);
     else if (data.bytes) carrier.onBytes(data.bytes);

@@ -29,74 +29,47 @@ const go = (m, setpoint) => m.link.request("write", { setpoints: [setpoint] });
 
 /** about: a sentence; acts: buttons; shows: values by name, asked for a few times a second. */
 const DEMOS = {
-  panic: {
-    about: "Enable the servo, then press the hand-held button, or pull the ribbon cable.",
-    acts: {
-      Enable: (m) => m.link.call("MENABLE"),
-      "Press the button": (m) => input(m, "estop", 1),
-      "Release it": (m) => input(m, "estop", 0),
-      "Pull the cable": (m) => input(m, "cable", 0),
-      "Plug it in": (m) => input(m, "cable", 1),
-    },
-    shows: {
-      PCCSR: (m) => shown(m, "PCCSR"),
-      "PPI port C of card 0": (m) => shown(m, "CARD_PPI_C"),
-    },
-  },
-  counter: {
-    about: "Turn the motor's shaft by hand: the encoder's two tracks count up or down.",
-    acts: {
-      "Turn it forward": (m) => input(m, "load_torque", -TORQUE),
-      "Turn it back": (m) => input(m, "load_torque", TORQUE),
-      "Let go": (m) => input(m, "load_torque", 0),
-      "Cut track A": (m) => input(m, "encoder_a_cut", 1),
-      "Mend it": (m) => input(m, "encoder_a_cut", 0),
-    },
-    shows: {
-      "count, as the driver has it": (m) => String(m.history.latest(0)?.encnow ?? "–"),
-      "its low byte, read over the bus": async (m) => hex(await load(m, "CARD_ENC1_LSB")),
-      "tracks A and B": (m) => {
+  panic: { about: "Enable the servo, then press the hand-held button, or pull the ribbon cable.",
+    acts: { Enable: (m) => m.link.call("MENABLE"), "Press the button": (m) => input(m, "estop", 1),
+      "Release it": (m) => input(m, "estop", 0), "Pull the cable": (m) => input(m, "cable", 0),
+      "Plug it in": (m) => input(m, "cable", 1) }, shows: { PCCSR: (m) =>
+        shown(m, "PCCSR"), "PPI port C of card 0": (m) =>
+        shown(m, "CARD_PPI_C") } },
+  counter: { about: "Turn the motor's shaft by hand: the encoder's two tracks count up or down.",
+    acts: { "Turn it forward": (m) => input(m, "load_torque", -TORQUE), "Turn it back": (m) =>
+      input(m, "load_torque", TORQUE), "Let go": (m) =>
+        input(m, "load_torque", 0), "Cut track A": (m) =>
+        input(m, "encoder_a_cut", 1), "Mend it": (m) =>
+        input(m, "encoder_a_cut", 0) }, shows: { "count, as the driver has it": (m) =>
+        String(m.history.latest(0)?.encnow ?? "–"), "its low byte, read over the bus": async (m) =>
+        hex(await load(m, "CARD_ENC1_LSB")), "tracks A and B": (m) => {
         const { history } = m;
-        if (history.end === history.first) return "–";
+        if (history.end === history.first)
+          return "–";
         const lights = history.value(history.end - 1, history.lightsColumn(0));
         return `${lights & 1} ${(lights >> 1) & 1}`;
-      },
-    },
-  },
+      } } },
   pccsr: {
-    about: "Each interrupt is a servo sample. Without SCLOCK_EN, or without IRQ_EN, there are none.",
-    acts: {
-      "Read the PCCSR": async (m) => m.say("help", `PCCSR ${await shown(m, "PCCSR")}`),
-      "Write 0: all off": (m) => store(m, "PCCSR", 0),
-      "Interval 2 ms": (m) => m.link.call("MSETINTERVAL", { value: 2000 }),
-      "Interval 1 ms": (m) => m.link.call("MSETINTERVAL", { value: 1000 }),
-    },
-    shows: {
-      interrupts: async (m) => String((await m.link.call("MGETSTATS")).stats.total),
-      PCCSR: (m) => shown(m, "PCCSR"),
-      "low byte of timer 1": async (m) => hex(await load(m, "PIT1")),
-    },
+    about:
+      "Each interrupt is a servo sample. Without SCLOCK_EN, or without IRQ_EN, there are none.",
+    acts: { "Read the PCCSR": async (m) => m.say("help", `PCCSR ${await shown(m, "PCCSR")}`),
+      "Write 0: all off": (m) => store(m, "PCCSR", 0), "Interval 2 ms": (m) =>
+        m.link.call("MSETINTERVAL", { value: 2000 }), "Interval 1 ms": (m) =>
+        m.link.call("MSETINTERVAL", { value: 1000 }) },
+    shows: { interrupts: async (m) => String((await m.link.call("MGETSTATS")).stats.total),
+      PCCSR: (m) => shown(m, "PCCSR"), "low byte of timer 1": async (m) =>
+        hex(await load(m, "PIT1")) },
   },
-  servo: {
-    about: "Enable, then write() setpoints; pull the axis away by hand and feel it hold.",
-    gains: true,
-    acts: {
-      Enable: (m) => m.link.call("MENABLE"),
-      "write() 500": (m) => go(m, 500),
-      "write() -500": (m) => go(m, -500),
-      "Pull at it": (m) => input(m, "load_torque", TORQUE),
-      "Let go": (m) => input(m, "load_torque", 0),
-      MSTOP: (m) => m.link.request("stop"),
-    },
-    shows: {
-      "setpoint, count, error": (m) => {
-        const now = m.history.latest(0);
-        return now ? `${now.setpoint}, ${now.encnow}, ${now.error}` : "–";
-      },
-      "current, D/A units": (m) => String(m.history.latest(0)?.current ?? "–"),
-      errors: (m) => errorWords(m.history.latest(0)?.errcode ?? 0) || "none",
-    },
-  },
+  servo: { about: "Enable, then write() setpoints; pull the axis away by hand and feel it hold.",
+    gains: true, acts: { Enable: (m) =>
+      m.link.call("MENABLE"), "write() 500": (m) => go(m, 500), "write() -500": (m) =>
+        go(m, -500), "Pull at it": (m) => input(m, "load_torque", TORQUE), "Let go": (m) =>
+        input(m, "load_torque", 0), MSTOP: (m) => m.link.request("stop") },
+    shows: { "setpoint, count, error": (m) => {
+      const now = m.history.latest(0);
+      return now ? `${now.setpoint}, ${now.encnow}, ${now.error}` : "–";
+    }, "current, D/A units": (m) => String(m.history.latest(0)?.current ?? "–"), errors: (m) =>
+      errorWords(m.history.latest(0)?.errcode ?? 0) || "none" } },
 };
 
 const room = document.getElementById("live");
@@ -110,7 +83,7 @@ async function start() {
   const fail = ({ type, text }) => type === "failed" && setText(said, text);
   const { carrier } = await startMachine(setup, { plays: false, paused: false }, fail);
   const machine = new Machine(new Link(carrier), DEADMAN_MS);
-  machine.addEventListener("event", ({ detail }) => {
+  machine.addEventListener("event", (/** @type {any} */ { detail }) => {
     if (["error", "panic", "stopped", "log", "help", "brake", "enabled"].includes(detail.kind))
       setText(said, `${detail.t.toFixed(3)} s  ${detail.text}`);
   });
@@ -122,10 +95,14 @@ async function start() {
   });
   const lamps = el("p", { className: "row" });
   const values = Object.keys(demo.shows).map((name) => [name, el("output")]);
-  room.append(el("p", {}, demo.about), el("p", { className: "row" },
-    ...Object.entries(demo.acts).map(([name, act]) => button("", name, () => machine.try(act(machine))))), lamps,
-    el("table", {}, ...values.map(([name, output]) =>
-      el("tr", {}, el("td", {}, name), el("td", {}, output)))), said);  // prettier-ignore
+  room.append(el("p", {}, demo.about),
+    el("p", { className: "row" },
+      ...Object.entries(demo.acts).map(([name, act]) =>
+        button("", name, () => machine.try(act(machine)))
+      )), lamps,
+    el("table", {},
+      ...values.map(([name, output]) => el("tr", {}, el("td", {}, name), el("td", {}, output)))),
+    said);
 
   let looking = false;
   async function look() {
@@ -152,5 +129,5 @@ function showLamps(machine, room_) {
   const lamp = (name, bit) =>
     el("span", { className: `light ${lines & bit ? "lit" : ""}`, textContent: name });
   room_.replaceChildren(lamp("PANIC", LINES.panic), lamp("brakes off", LINES.brakes),
-    lamp("servo on", LINES.enabled), lamp("stop latched", LINES.stopped), lamp("IRQ", LINES.irq));  // prettier-ignore
+    lamp("servo on", LINES.enabled), lamp("stop latched", LINES.stopped), lamp("IRQ", LINES.irq));
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the machine said, the newest first, in words that stay readable after a clear.
 
-import { html } from "./html.js";
+import { h, row } from "./html.js";
 
 const SHOWN = ["error", "panic", "stopped", "enabled", "log", "fault", "lost", "bus", "signal",
   "lease", "client", "pace", "rewind", "heartbeat", "brake", "help"];
@@ -11,25 +11,33 @@ const MOST = 300; // lines
 /** A message as a line. Its kind is not said again by a text that begins with it. */
 export function line({ t, kind, axis, text, value, times = 1 }) {
   const of = axis >= 0 ? ` axis ${axis}` : "";
-  const said = kind === "heartbeat" ? (value ? "present" : "gone") : text;
-  return `${t.toFixed(3)} s  ${kind}${of}: ${said}${times > 1 ? `, ${times} times` : ""}`;
+  const words = kind === "heartbeat" ? (value ? "present" : "gone") : text;
+  return `${t.toFixed(3)} s  ${kind}${of}: ${words}${times > 1 ? `, ${times} times` : ""}`;
 }
 
 /** Whether a message is bad news: without heartbeats PANIC is up, at rest that is none. */
-const isBad = ({ kind, value, drives }) => kind === "lost" || kind === "error" || (kind === "panic" && value && drives);
+const isBad = ({ kind, value, drives }) =>
+  kind === "lost" || kind === "error" || (kind === "panic" && value && drives);
 
 /** The latest that people must not miss. */
 export function said({ messages }) {
-  const found = messages.findLast((one) => LOUD.includes(one.kind) && (one.kind !== "panic" || isBad(one)));
+  const found = messages.findLast((one) =>
+    LOUD.includes(one.kind) && (one.kind !== "panic" || isBad(one))
+  );
   return found ? line(found) : "";
 }
 
 export function log(page) {
   const wanted = page.filter.toLowerCase();
-  const lines = page.machine.messages.filter(({ kind }) => SHOWN.includes(kind)).map((one) => [one, line(one)])
-    .filter(([, text]) => text.toLowerCase().includes(wanted)).slice(-MOST).reverse();
-  return html`<div><div class="row"><input type="search" id="log-filter" aria-label="only lines with" placeholder="only lines with"
-      value=${page.filter} onInput=${({ target }) => page.set({ filter: target.value })} /></div>
-    <ol class="log" aria-label="what happened, the newest first" tabIndex="0">
-      ${lines.map(([one, text]) => html`<li class=${isBad(one) ? "bad" : one.kind}>${text}</li>`)}</ol></div>`;
+  const lines = page.machine.messages.filter(({ kind }) => SHOWN.includes(kind)).map((
+    one,
+  ) => [one, line(one)]).filter(([, text]) => text.toLowerCase().includes(wanted)).slice(-MOST)
+    .reverse();
+  const only = "only lines with";
+  const search = { type: "search", id: "log-filter", "aria-label": only, placeholder: only,
+    value: page.filter, onInput: ({ target }) => page.set({ filter: target.value }) };
+  const item = ([one, text]) => h("li", { class: isBad(one) ? "bad" : one.kind }, text);
+  return h("div", {}, row(h("input", search)),
+    h("ol", { class: "log", tabIndex: 0, "aria-label": "what happened, the newest first" },
+      lines.map(item)));
 }

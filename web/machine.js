@@ -120,7 +120,8 @@ export class Machine extends EventTarget {
     if (event.kind === "setting" || event.kind === "rewind") this.read();
     if (event.kind === "fault" || event.kind === "rewind") this.#readInputs();
     const last = this.messages.at(-1);
-    if (event.kind === "bus" && last?.kind === "bus" && last.text === event.text) last.times = (last.times ?? 1) + 1;
+    if (event.kind === "bus" && last?.kind === "bus" && last.text === event.text)
+      last.times = (last.times ?? 1) + 1;
     else this.messages.push(event);
     if (this.messages.length > 5000) this.messages.splice(0, 1000);
     this.dispatchEvent(new CustomEvent("event", { detail: event }));
@@ -153,10 +154,8 @@ export class Machine extends EventTarget {
       const axes = all ? Array.from({ length: this.hello.axes }, (_, n) => n) : [...this.#dirty];
       this.#dirty.clear();
       const settings = all ? this.link.request("hello") : Promise.resolve(null);
-      await Promise.all([
-        settings.then((told) => told && this.#settle(told)).catch(() => {}),
-        ...axes.map((n) => this.#param(n)),
-      ]);
+      await Promise.all([settings.then((told) => told && this.#settle(told)).catch(() => {}),
+        ...axes.map((n) => this.#param(n))]);
       this.tell("driver");
     }
   }

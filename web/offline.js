@@ -4,15 +4,16 @@
 const CACHE = "mmcs VERSION";
 const FILES = "FILES";
 
-self.addEventListener("install", (event) => {
+const worker = /** @type {any} */ (self);
+worker.addEventListener("install", (event) => {
   event.waitUntil(caches.open(CACHE).then((cache) => cache.addAll(FILES)));
-  self.skipWaiting();
+  worker.skipWaiting();
 });
-self.addEventListener("activate", (event) => {
+worker.addEventListener("activate", (event) => {
   const old = (names) => Promise.all(names.filter((n) => n !== CACHE).map((n) => caches.delete(n)));
-  event.waitUntil(caches.keys().then(old).then(() => self.clients.claim()));
+  event.waitUntil(caches.keys().then(old).then(() => worker.clients.claim()));
 });
-self.addEventListener("fetch", (event) => {
+worker.addEventListener("fetch", (event) => {
   const kept = caches.match(event.request, { ignoreSearch: true });
   event.respondWith(kept.then((found) => found ?? fetch(event.request)));
 });

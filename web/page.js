@@ -15,7 +15,9 @@ export class Page extends EventTarget {
    * the lab sheets (web/labs.js). */
   constructor(machine, { advice, labs }, asked = new URLSearchParams()) {
     super();
-    Object.assign(this, { machine, advice, labs });
+    this.machine = machine;
+    this.advice = advice;
+    this.labs = labs;
     this.units = new Units();
     this.about = { motors: [], links: [] }; // of the machine (docs/use/protocol.md, machine)
     this.axes = []; // of each: axis.js
@@ -27,13 +29,20 @@ export class Page extends EventTarget {
     this.all = asked.get("theme") === "1989"; // panels of all axes
     this.follows = !asked.has("u"); // counts, A/D and current
     this.asked = false; // Enable was pressed although the hand-held button is
+    this.arm =
+      this.scope =
+      this.render =
+      this.draw =
+      this.showWaves =
+        null; // made by app.js and tabs.js
     this.drafts = new Drafts((error) => machine.say("error", error.message), () => this.changed());
     machine.addEventListener("rewind", () => this.look(null));
     // a question waits for its answer until what it was about has changed
-    for (const kind of ["inputs", "enabled", "lease"])
+    for (const kind of ["inputs", "enabled", "lease"]) {
       machine.addEventListener(kind, () => {
         this.asked = false;
       });
+    }
     for (const kind of ["driver", "control", "enabled", "inputs", "lease", "closed", "stopPath"])
       machine.addEventListener(kind, () => this.changed());
     this.units.addEventListener("change", () => this.changed());
@@ -91,7 +100,9 @@ export class Page extends EventTarget {
   modeWord(axis) {
     const now = this.machine.driver.params[axis].mode;
     if (!this.past) return now;
-    const changes = this.machine.messages.filter((one) => one.kind === "mode" && one.axis === axis && !one.left);
+    const changes = this.machine.messages.filter((one) =>
+      one.kind === "mode" && one.axis === axis && !one.left
+    );
     const last = changes.findLast(({ t }) => t <= this.moment);
     return last ? last.value : changes.length ? 0 : now;
   }
@@ -117,8 +128,9 @@ export class Page extends EventTarget {
     if (this.past) return machine.say("help", "the past is shown: Now first");
     if (machine.input("estop") && !this.asked) {
       this.asked = true;
-      machine.say("help", "The hand-held button is pressed: the machine would drive and its brakes "
-        + "open when it is released. Release it first, or Enable again to do so all the same.");
+      machine.say("help",
+        "The hand-held button is pressed: the machine would drive and its brakes "
+          + "open when it is released. Release it first, or Enable again to do so all the same.");
       return undefined;
     }
     this.asked = false;
@@ -131,10 +143,16 @@ export class Page extends EventTarget {
     const value = parseInteger(text, FASTEST_US, SLOWEST_US, "interval, µs");
     await machine.link.call("MSETINTERVAL", { value }).catch((error) => {
       if (error.message !== "Invalid argument") throw error;
-      throw new Error(`interval: the adaptor's timers do not make ${value} µs; ${FASTEST_US} µs to 500 s in steps of 0.1 %`);
+      throw new Error(
+        `interval: the adaptor's timers do not make ${value} µs; ${FASTEST_US} µs to 500 s in steps of 0.1 %`,
+      );
     });
-    if (value > about.heartbeat_us)
-      machine.say("help", `interval: above the cards' heartbeat of ${about.heartbeat_us / 1000} ms the machine panics by design`);
+    if (value > about.heartbeat_us) {
+      machine.say("help",
+        `interval: above the cards' heartbeat of ${
+          about.heartbeat_us / 1000
+        } ms the machine panics by design`);
+    }
     await machine.read();
   }
 
@@ -146,7 +164,8 @@ export class Page extends EventTarget {
 
   /** Whether an axis has other numbers than the robot file or the scenario suggests. */
   differs(axis) {
-    const [{ mode, ...numbers }, now] = [this.about.servo?.[axis] ?? {}, this.machine.driver.params[axis]];
+    const [{ mode, ...numbers }, now] = [this.about.servo?.[axis] ?? {},
+      this.machine.driver.params[axis]];
     return Boolean(now) && Object.entries(numbers).some(([name, value]) => now[name] !== value);
   }
 
@@ -158,7 +177,10 @@ export class Page extends EventTarget {
     for (const [axis, { mode, ...numbers }] of this.about.servo.entries()) {
       const now = machine.driver.params[axis];
       const kept = now?.mode & MODE_MASK;
-      if (now) await machine.change(axis, { ...numbers, mode: kept ? now.mode | (mode & ~MODE_MASK) : mode });
+      if (now) {
+        await machine.change(axis, { ...numbers,
+          mode: kept ? now.mode | (mode & ~MODE_MASK) : mode });
+      }
     }
     await machine.read();
   }

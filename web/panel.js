@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One axis of chapter 3: mode, setpoint, feedback, gains in %, every parameter, what it does.
 
-import { choice, field, html, labelled } from "./html.js";
+import { choice, field, h, labelled, row } from "./html.js";
 import { errorWords, FIELDS, FLAGS, MC_FSCALE, MODE_MASK, MODE_NAMES, MODES } from "./params.js";
 
 const GAINS = { p: 30000, i: 100000, d: 300 }; // ends of the sliders, %
@@ -11,48 +11,62 @@ const FEEDBACKS = [["encoder", "Encoder"], ["ad", "A/D"], ["zero", "None"]];
 
 /** The chosen axis; under SunView all of them. */
 export const panels = (page) =>
-  page.axes.filter((axis) => axis.param && (page.all || axis.number === page.axis)).map((axis) => panel(page, axis));
+  page.axes.filter((axis) => axis.param && (page.all || axis.number === page.axis)).map((axis) =>
+    panel(page, axis)
+  );
 
 function panel(page, axis) {
   const { number: n, param } = axis;
   const control = (what, value, take, more = {}) =>
     field(page, { id: `axis${n}-${what}`, name: `axis ${n} ${what}`, value, take, ...more });
   const pick = (what, options, value, take, draft) =>
-    choice(page, { id: `axis${n}-${what}`, name: `axis ${n} ${what}`, options, value, take, draft });
+    choice(page, { id: `axis${n}-${what}`, name: `axis ${n} ${what}`, options, value, take,
+      draft });
   const box = { type: "checkbox" };
   const feedback = param.mode & FLAGS.ZEROFB ? "zero" : param.mode & FLAGS.ADFB ? "ad" : "encoder";
   const { a0, a1, a2, b0, b1, b2 } = param;
   const filter = axis.gains?.tau ? `  D filtered by ${(axis.gains.tau * 1000).toFixed(2)} ms` : "";
-  return html`<section class="panel" id="axis${n}-panel" tabIndex="-1" aria-label="axis ${n}">
-    <h2>Axis ${n} ${pick("mode", Object.entries(MODE_NAMES), axis.mode, (name) => axis.setMode(name), axis.wantsDiag)}</h2>
-    ${state(page, axis)}
-    <div class="row">${labelled("Setp", pick("setpoint source", SOURCES, axis.source, (name) => axis.setSource(name)))}
-      ${labelled("LED", control("LED", axis.light, (on) => axis.setLed(on), box))}</div>
-    <div class="row">${labelled("Feedback", pick("feedback", FEEDBACKS, feedback, (name) => axis.setFeedback(name)))}
-      ${labelled("Coulomb", control("Coulomb compensation", Boolean(param.mode & FLAGS.COULCOMP),
-        (on) => axis.setFlag("COULCOMP", on), box))}</div>
-    ${setpoint(axis, control)}
-    ${note(page, axis)}
-    ${Object.entries(GAINS).map((gain) => gainRow(axis, control, gain))}
-    <code class="coefficients">a ${a0} ${a1} ${a2}  b ${b0} ${b1} ${b2}${filter}</code>
-    <p class="warnings">${axis.warnings.join(" ")}</p>
-    <details><summary>Every parameter</summary><div class="fields">
-      ${FIELDS.map((name) => labelled(name, control(name === "mode" ? "mode word" : name, param[name],
-        (text) => axis.setField(name, text), { size: 11 })))}</div></details>
-  </section>`;
+  const every = FIELDS.map((name) =>
+    labelled(name, control(name === "mode" ? "mode word" : name, param[name], (text) =>
+      axis.setField(name, text), { size: 11 }))
+  );
+  return h("section", { class: "panel", id: `axis${n}-panel`, tabIndex: -1,
+    "aria-label": `axis ${n}` },
+    h("h2", {}, `Axis ${n} `,
+      pick("mode", Object.entries(MODE_NAMES), axis.mode, (name) => axis.setMode(name),
+        axis.wantsDiag)), state(page, axis),
+    row(
+      labelled("Setp",
+        pick("setpoint source", SOURCES, axis.source, (name) => axis.setSource(name))),
+      labelled("LED", control("LED", axis.light, (on) => axis.setLed(on), box)),
+    ),
+    row(
+      labelled("Feedback", pick("feedback", FEEDBACKS, feedback, (name) => axis.setFeedback(name))),
+      labelled("Coulomb",
+        control("Coulomb compensation", Boolean(param.mode & FLAGS.COULCOMP), (on) =>
+          axis.setFlag("COULCOMP", on), box)),
+    ), setpoint(axis, control), note(page, axis),
+    Object.entries(GAINS).map((gain) => gainRow(axis, control, gain)),
+    h("code", { class: "coefficients" }, `a ${a0} ${a1} ${a2}  b ${b0} ${b1} ${b2}${filter}`),
+    h("p", { class: "warnings" }, axis.warnings.join(" ")),
+    h("details", {}, h("summary", {}, "Every parameter"), h("div", { class: "fields" }, every)));
 }
 
 /** What the axis does at the moment shown. */
 function state(page, { number: n, param }) {
-  const { units, row, machine } = page;
-  const now = row >= 0 && page.follows ? machine.history.at(n, row) : null;
+  const { units, row: at, machine } = page;
+  const now = at >= 0 && page.follows ? machine.history.at(n, at) : null;
   const current = now && (param.ipole ? now.inow / MC_FSCALE : now.inow);
-  const shown = (name, quantity, value) => labelled(name,
-    html`<output id="axis${n}-${name}" aria-label="axis ${n} ${name}" aria-live="off">
-      ${now && (quantity ? units.show(n, quantity, value) : value)}</output>`,
-    quantity ? units.scale(n, quantity).unit : "");
-  return html`<div class="row state">${shown("count", "position", now?.encnow)}${shown("A/D", "", now?.adcvai)}
-    ${shown("current", "current", current)}<strong class="error">${now && errorWords(now.errcode)}</strong></div>`;
+  const shown = (name, quantity, value) => {
+    const output = { id: `axis${n}-${name}`, "aria-label": `axis ${n} ${name}`,
+      "aria-live": "off" };
+    const unit = quantity ? units.scale(n, quantity).unit : "";
+    return labelled(name,
+      h("output", output, now && (quantity ? units.show(n, quantity, value) : value)), unit);
+  };
+  return h("div", { class: "row state" }, shown("count", "position", now?.encnow),
+    shown("A/D", "", now?.adcvai), shown("current", "current", current),
+    h("strong", { class: "error" }, now && errorWords(now.errcode)));
 }
 
 function setpoint(axis, control) {
@@ -60,19 +74,27 @@ function setpoint(axis, control) {
   const { name, low, high, by, digits, unit } = scale ?? NO_SCALE;
   const value = scale ? axis.setpoint : 0;
   const slide = { type: "range", step: 1, min: low, max: high };
-  return html`<div class="row setpoint" hidden=${!scale}><span>${name}</span>
-    ${control("setpoint slider", Math.max(low, Math.min(high, value)), (text) => axis.setSetpoint(Number(text)), slide)}
-    ${control("setpoint", (value * by).toFixed(digits), (text) => axis.typeSetpoint(text), { size: 8 })}<i>${unit}</i></div>`;
+  return h("div", { class: "row setpoint", hidden: !scale }, h("span", {}, name),
+    control("setpoint slider", Math.max(low, Math.min(high, value)),
+      (text) => axis.setSetpoint(Number(text)), slide),
+    control("setpoint", (value * by).toFixed(digits), (text) => axis.typeSetpoint(text), {
+      size: 8,
+    }), h("i", {}, unit));
 }
 
 function note(page, { number, param, mode }) {
   const { about } = page;
   const said = [];
-  if (page.past) said.push("The past: setpoint, counts and current of that moment; gains and mode of now.");
-  if (about.servo && !about.motors[number]) said.push("No motor is connected to this axis: it will not move.");
-  if (mode === "test1" && (param.mode & MODE_MASK) === MODES.test1)
-    said.push(`A triangle of ±${param.ilim} D/A units, one unit a sample (chapter 3 of the report calls it a sawtooth).`);
-  return html`<p class="note">${said.join(" ")}</p>`;
+  if (page.past)
+    said.push("The past: setpoint, counts and current of that moment; gains and mode of now.");
+  if (about.servo && !about.motors[number])
+    said.push("No motor is connected to this axis: it will not move.");
+  if (mode === "test1" && (param.mode & MODE_MASK) === MODES.test1) {
+    said.push(
+      `A triangle of ±${param.ilim} D/A units, one unit a sample (chapter 3 of the report calls it a sawtooth).`,
+    );
+  }
+  return h("p", { class: "note" }, said.join(" "));
 }
 
 function gainRow(axis, control, [gain, max]) {
@@ -81,7 +103,7 @@ function gainRow(axis, control, [gain, max]) {
   const percent = gains ? Math.round(gains[gain] * 1e4) / 100 : null;
   const take = (text) => axis.setGain(gain, text);
   const place = Math.round(Math.max(0, Math.min(max, percent ?? 0)));
-  return html`<div class="row"><b>${name}</b>
-    ${control(`${name} gain slider`, place, take, { type: "range", step: 1, min: 0, max })}
-    ${control(`${name} gain`, percent ?? "–", take, { size: 7 })}<i>%</i></div>`;
+  return row(h("b", {}, name),
+    control(`${name} gain slider`, place, take, { type: "range", step: 1, min: 0, max }),
+    control(`${name} gain`, percent ?? "–", take, { size: 7 }), h("i", {}, "%"));
 }

@@ -2,20 +2,21 @@
 // What struct mc_param means to people: modes, errors, the setpoint's range, gains in %. Chapter 3.
 
 // generated: numbers of mcdef.h
-export const MODES = {"off":0, "pos":1, "vel":2, "torq":3, "test1":4};
+export const MODES = { "off": 0, "pos": 1, "vel": 2, "torq": 3, "test1": 4 };
 export const MODE_MASK = 15;
-export const FLAGS = {"COULCOMP":16, "ADFB":32, "ZEROFB":64, "ADDMD":128, "ADOFF":256, "POSCHK":512,
-  "SOFTERR":1024};
-export const ERRORS = {"PLO":1, "PHI":2, "ILIM":4, "PANIC":8, "ZINDEX":16};
+export const FLAGS = { "COULCOMP": 16, "ADFB": 32, "ZEROFB": 64, "ADDMD": 128, "ADOFF": 256,
+  "POSCHK": 512, "SOFTERR": 1024 };
+export const ERRORS = { "PLO": 1, "PHI": 2, "ILIM": 4, "PANIC": 8, "ZINDEX": 16 };
 export const FIELDS = ["a2", "a1", "a0", "b2", "b1", "b0", "ic_pos", "ic_neg", "mode", "clkdivisor",
   "ilim", "ilimax", "plo", "phi", "adc_a", "adc_b", "ipole"];
 export const MC_FSCALE = 1024;
 // end of numbers
 
 /** Of the panel: a mode, or "diag". */
-export const MODE_NAMES = { off: "Off", pos: "Pos", vel: "Vel", torq: "Torq", test1: "Test1", diag: "Diag" };
-const ERROR_WORDS = { PLO: "low position limit", PHI: "high position limit", ILIM: "current limit too long",
-  PANIC: "PANIC", ZINDEX: "index found" };  // prettier-ignore
+export const MODE_NAMES = { off: "Off", pos: "Pos", vel: "Vel", torq: "Torq", test1: "Test1",
+  diag: "Diag" };
+const ERROR_WORDS = { PLO: "low position limit", PHI: "high position limit",
+  ILIM: "current limit too long", PANIC: "PANIC", ZINDEX: "index found" };
 export const INT_MIN = -(2 ** 31);
 export const INT_MAX = 2 ** 31 - 1;
 
@@ -32,7 +33,8 @@ export function modeName(param, current = 0) {
 
 /** Gains as at power-on (Table 2.1): one D/A unit a count. */
 export const isInitial = (param) =>
-  Boolean(param) && ["a0", "a1", "a2", "b0", "b1", "b2"].map((name) => param[name]).join() === "1,0,0,1,0,0";
+  Boolean(param)
+  && ["a0", "a1", "a2", "b0", "b1", "b2"].map((name) => param[name]).join() === "1,0,0,1,0,0";
 
 export const isBounded = ({ plo, phi }) => plo > INT_MIN / 2 && phi < INT_MAX / 2;
 
@@ -42,12 +44,8 @@ export function setpointScale(mode, param) {
   const bounded = isBounded(param);
   switch (mode) {
     case "pos":
-      return {
-        name: "Position",
-        quantity: fed,
-        low: bounded ? param.plo : -20000,
-        high: bounded ? param.phi : 20000,
-      };
+      return { name: "Position", quantity: fed, low: bounded ? param.plo : -20000,
+        high: bounded ? param.phi : 20000 };
     case "vel":
       return { name: "Velocity", quantity: fed, per: "sample", low: -50, high: 50 };
     case "torq":

@@ -11,10 +11,13 @@ const MOST = 2 ** 31;
 /** The first line, and where in a row its columns stand. */
 export function csvHead(history) {
   const columns = [["lines", history.linesColumn]];
-  for (let axis = 0; axis < history.axes; axis++)
-    for (const field of history.fields) columns.push([`${field}_${axis}`, history.column(axis, field)]);
+  for (let axis = 0; axis < history.axes; axis++) {
+    for (const field of history.fields)
+      columns.push([`${field}_${axis}`, history.column(axis, field)]);
+  }
   const names = ["t_s", ...columns.map(([name]) => name)];
-  return { text: `${names.join(",")}\n`, columns: columns.map(([, column]) => column), rowInts: history.rowInts };
+  return { text: `${names.join(",")}\n`, columns: columns.map(([, column]) => column),
+    rowInts: history.rowInts };
 }
 
 /** The lines of a piece (History.pieces). */
@@ -30,6 +33,7 @@ export function csvLines({ columns, rowInts }, { times, ints }) {
 /** A recording that was saved. */
 export class Recording extends History {
   #names = null;
+  name = "";
   #lines = 0;
   #head = [];
 
@@ -56,7 +60,9 @@ export class Recording extends History {
       return;
     }
     const values = line.split(",").map((cell) => (NUMBER.test(cell) ? Number(cell) : NaN));
-    const fits = values.slice(1).every((value) => Number.isInteger(value) && Math.abs(value) <= MOST);
+    const fits = values.slice(1).every((value) =>
+      Number.isInteger(value) && Math.abs(value) <= MOST
+    );
     if (values.length !== this.#names.length || !Number.isFinite(values[0]) || !fits)
       throw new Error(`${this.name}: line ${this.#lines + 2} is damaged`);
     this.add(this.#lines++, values[0], [...this.#head, values[1], this.axes, ...values.slice(2)]);

@@ -16,8 +16,11 @@ export function registersView(page) {
   const element = el("div", { className: "registers" },
     el("p", {}, "Each read and write is a bus cycle of the machine, beside those of the driver."),
     el("div", { className: "row" }, labelled("Cards' registers of", card), all),
-    el("table", {}, el("thead", {}, el("tr", {}, ...["address", "name", "value", "fields", "write"]
-      .map((text) => el("th", {}, text)))), el("tbody", {}, ...rows.map((row) => row.element))));  // prettier-ignore
+    el("table", {},
+      el("thead", {},
+        el("tr", {},
+          ...["address", "name", "value", "fields", "write"].map((text) => el("th", {}, text)))),
+      el("tbody", {}, ...rows.map((row) => row.element))));
   return { title: "Registers", element, changes: true };
 }
 
@@ -33,10 +36,9 @@ export function hex(value) {
 
 /** "BASE 24, SCLOCK_EN 1": the fields of a value. */
 export function fieldsText(register, value) {
-  return register.fields
-    .filter((field) => field.readable)
-    .map(({ name, low, width }) => `${name} ${(value >> low) & ((1 << width) - 1)}`)
-    .join(", ");
+  return register.fields.filter((field) => field.readable).map(({ name, low, width }) =>
+    `${name} ${(value >> low) & ((1 << width) - 1)}`
+  ).join(", ");
 }
 
 function makeRow(page, register, card) {
@@ -45,7 +47,7 @@ function makeRow(page, register, card) {
   const value = el("output");
   const fields = el("span");
   const input = el("input", { type: "text", size: 5, "aria-label": `write ${register.name}`,
-    onkeydown: ({ key }) => key === "Enter" && write() });  // prettier-ignore
+    onkeydown: ({ key }) => key === "Enter" && write() });
 
   async function read() {
     if (!register.readable) return;
@@ -60,8 +62,8 @@ function makeRow(page, register, card) {
     input.value = "";
     if (!machine.controls) return machine.say("error", `${register.name}: take control first`);
     try {
-      const hex = /^0x[0-9a-f]{1,2}$/i.test(text);
-      const byte = hex ? parseInt(text, 16) : parseInteger(text, 0, 255, register.name);
+      const isHex = /^0x[0-9a-f]{1,2}$/i.test(text);
+      const byte = isHex ? parseInt(text, 16) : parseInteger(text, 0, 255, register.name);
       await machine.try(machine.link.request("store", { offset: offset(), value: byte }));
       await read();
     } catch (error) {
@@ -70,9 +72,10 @@ function makeRow(page, register, card) {
     return undefined;
   }
 
-  const name = button("", register.name, read, { title: register.text, disabled: !register.readable });
+  const name = button("", register.name, read, { title: register.text,
+    disabled: !register.readable });
   const address = `${register.card ? "+" : ""}0x${register.offset.toString(16).toUpperCase()}`;
   const element = el("tr", {}, el("td", {}, address), el("td", {}, name), el("td", {}, value),
-    el("td", {}, fields), el("td", {}, register.writable ? input : ""));  // prettier-ignore
+    el("td", {}, fields), el("td", {}, register.writable ? input : ""));
   return { element, read };
 }

@@ -2,7 +2,6 @@
 // The registers of the MMCS for the page.
 // Generated from rtl/regs/mmcs.rdl by rtl/regs/generate.py; do not edit.
 
-// prettier-ignore
 export const REGISTERS = [
   {"name": "PIT0", "offset": 1025, "card": false, "text": "Timer 0: divides the system clock", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},
   {"name": "PIT1", "offset": 1027, "card": false, "text": "Timer 1: clocked by timer 0, its output is SCLOCK", "readable": true, "writable": true, "fields": [{"name": "COUNT", "low": 0, "width": 8, "readable": true}]},

@@ -14,14 +14,9 @@ export function decode(buffer) {
   const rows = head.getUint32(4, true);
   const rowBytes = head.getUint32(8, true);
   if (HEAD_BYTES + rows * rowBytes > buffer.byteLength) throw new Error("samples are cut short");
-  return {
-    rows,
-    rowBytes,
-    axes: head.getUint16(12, true),
-    lost: head.getFloat64(16, true),
+  return { rows, rowBytes, axes: head.getUint16(12, true), lost: head.getFloat64(16, true),
     floats: new Float64Array(buffer, HEAD_BYTES, (rows * rowBytes) / 8),
-    ints: new Int32Array(buffer, HEAD_BYTES, (rows * rowBytes) / 4),
-  };
+    ints: new Int32Array(buffer, HEAD_BYTES, (rows * rowBytes) / 4) };
 }
 
 /** Every sample of every axis, the oldest forgotten beyond `capacity` rows. */
@@ -56,7 +51,8 @@ export class History {
     this.lost = message.lost;
     for (let row = 0; row < message.rows; row++) {
       const at = row * rowInts;
-      this.add(message.floats[at / 2], message.floats[at / 2 + 1], message.ints.subarray(at, at + rowInts));
+      this.add(message.floats[at / 2], message.floats[at / 2 + 1],
+        message.ints.subarray(at, at + rowInts));
     }
   }
 
@@ -75,12 +71,8 @@ export class History {
       this.#chunks.shift();
       this.#first += CHUNK_ROWS;
     }
-    const chunk = {
-      numbers: new Float64Array(CHUNK_ROWS),
-      times: new Float64Array(CHUNK_ROWS),
-      ints: new Int32Array(CHUNK_ROWS * this.rowInts),
-      used: 0,
-    };
+    const chunk = { numbers: new Float64Array(CHUNK_ROWS), times: new Float64Array(CHUNK_ROWS),
+      ints: new Int32Array(CHUNK_ROWS * this.rowInts), used: 0 };
     this.#chunks.push(chunk);
     return chunk;
   }
@@ -138,12 +130,13 @@ export class History {
   /** Rows [from, to) as {times, ints}, a chunk each, that stay as they are whatever comes after. */
   pieces(from, to) {
     const made = [];
-    for (let row = from; row < to; ) {
+    for (let row = from; row < to;) {
       const [chunk, at] = this.#place(row);
       const end = Math.min(at + to - row, chunk.used);
       // a rewind may write the last chunk anew
       const take = chunk === this.#chunks.at(-1) ? "slice" : "subarray";
-      made.push({ times: chunk.times[take](at, end), ints: chunk.ints[take](at * this.rowInts, end * this.rowInts) });
+      made.push({ times: chunk.times[take](at, end),
+        ints: chunk.ints[take](at * this.rowInts, end * this.rowInts) });
       row += end - at;
     }
     return made;

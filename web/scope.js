@@ -15,7 +15,8 @@ export function scopeView(page) {
   const scope = new Scope(page);
   page.scope = scope;
   const draw = () => scope.held || scope.draw();
-  return { title: "Scope", element: scope.element, shown: () => scope.draw(), update: () => scope.update(), draw };
+  return { title: "Scope", element: scope.element, shown: () => scope.draw(),
+    update: () => scope.update(), draw };
 }
 
 export class Scope {
@@ -27,7 +28,8 @@ export class Scope {
     this.held = null; // {from, to}: the view stands, s
     this.search = 0; // rows looked at for the trigger
     this.fired = null; // time of the trigger
-    this.lanes = new Lanes(page.units, { zoom: (from, to) => this.hold(from, to), roll: () => this.roll(), wheel: (...how) => this.#zoom(...how) });
+    this.lanes = new Lanes(page.units, { zoom: (from, to) => this.hold(from, to),
+      roll: () => this.roll(), wheel: (...how) => this.#zoom(...how) });
     this.#build();
     this.#follow();
     page.addEventListener("choose", () => this.#follow());
@@ -42,49 +44,53 @@ export class Scope {
     const { hello } = this.page.machine;
     const axes = Array.from({ length: hello.axes }, (_, n) => [n, `axis ${n}`]);
     const fields = hello.sample.fields.map((name) => [name, name]);
-    this.window = choice(WINDOWS.map((s) => [s, `${s} s`]), { id: "scope-window", onchange: () => this.roll() });
+    this.window = choice(WINDOWS.map((s) => [s, `${s} s`]), { id: "scope-window",
+      onchange: () => this.roll() });
     this.window.value = "2";
     this.run = button("scope-run", "Hold", () => (this.held ? this.roll() : this.hold()));
-    this.kind = choice(
-      [["none", "no trigger"], ["rise", "rise"], ["fall", "fall"], ["error", "error"], ["panic", "PANIC"]],
-      { id: "scope-trigger", onchange: () => this.roll() },
-    );  // prettier-ignore
+    this.kind = choice([["none", "no trigger"], ["rise", "rise"], ["fall", "fall"], ["error",
+      "error"], ["panic", "PANIC"]], { id: "scope-trigger", onchange: () => this.roll() });
     this.triggerAxis = choice(axes, { "aria-label": "trigger axis" });
     this.triggerField = choice(fields, { "aria-label": "trigger field" });
     this.triggerField.value = "setpoint";
     this.level = el("input", { type: "text", size: 6, value: "1", "aria-label": "trigger level" });
-    this.pre = el("input", { type: "number", min: 0, max: 100, value: 30, "aria-label": "before, %" });
+    this.pre = el("input", { type: "number", min: 0, max: 100, value: 30,
+      "aria-label": "before, %" });
     this.again = el("input", { type: "checkbox", "aria-label": "trigger again and again" });
     this.newAxis = choice(axes, { "aria-label": "axis of a new channel" });
     this.newField = choice(fields, { "aria-label": "field of a new channel" });
     this.followBox = el("input", { type: "checkbox", checked: true, id: "scope-follow",
-      onchange: () => this.#follow() });  // prettier-ignore
+      onchange: () => this.#follow() });
     this.list = el("div", { className: "channels" });
     this.lost = el("output", { id: "scope-lost" });
     this.reading = el("pre", { className: "cursors" });
     this.element = el("div", { className: "scope" },
       el("div", { className: "row" }, this.run, labelled("Window", this.window),
         labelled("Chosen axis", this.followBox),
-        el("details", { className: "more" }, el("summary", { id: "scope-more" }, "Trigger, channels, files"), el("div", {},
-          el("div", { className: "row" }, labelled("Trigger", this.kind), this.triggerAxis, this.triggerField,
-            this.level, labelled("before", this.pre, "%"), labelled("again", this.again)),
-          el("div", { className: "row" }, this.newAxis, this.newField,
-            button("scope-add", "Add channel", () => this.add(Number(this.newAxis.value), this.newField.value)),
-            ...recordings(this)))), this.lost),
-      this.list, this.lanes.element, this.reading);  // prettier-ignore
+        el("details", { className: "more" },
+          el("summary", { id: "scope-more" }, "Trigger, channels, files"),
+          el("div", {},
+            el("div", { className: "row" }, labelled("Trigger", this.kind), this.triggerAxis,
+              this.triggerField, this.level, labelled("before", this.pre, "%"),
+              labelled("again", this.again)),
+            el("div", { className: "row" }, this.newAxis, this.newField,
+              button("scope-add", "Add channel",
+                () => this.add(Number(this.newAxis.value), this.newField.value)),
+              ...recordings(this)))), this.lost), this.list, this.lanes.element, this.reading);
     const screen = this.lanes.element;
     screen.tabIndex = 0;
     screen.classList.add("own-keys");
     screen.setAttribute("role", "group");
     screen.setAttribute("aria-label",
       "scope screen: A and B set the cursors where the pointer is, W shows waveforms; drag or the wheel zooms, "
-      + "left and right move, + and - zoom, 0 or a double-click rolls on");
+        + "left and right move, + and - zoom, 0 or a double-click rolls on");
     screen.addEventListener("keydown", (event) => {
       const { key } = event;
       const { pointer } = this.lanes;
       const [from, to] = this.view();
-      const acts = { ArrowLeft: () => this.#pan(-0.25), ArrowRight: () => this.#pan(0.25), 0: () => this.roll(),
-        "+": () => this.#zoom(1 / ZOOM, (from + to) / 2), "-": () => this.#zoom(ZOOM, (from + to) / 2) };
+      const acts = { ArrowLeft: () => this.#pan(-0.25), ArrowRight: () => this.#pan(0.25),
+        0: () => this.roll(), "+": () => this.#zoom(1 / ZOOM, (from + to) / 2),
+        "-": () => this.#zoom(ZOOM, (from + to) / 2) };
       if (acts[key]) {
         event.preventDefault();
         acts[key]();
@@ -118,18 +124,20 @@ export class Scope {
 
   #put(axis, field) {
     if (this.channels.some((c) => c.axis === axis && c.field === field)) return;
-    const channel = { axis, field, on: true, ...style(this.channels.length) };
+    const channel = { axis, field, on: true, value: null, ...style(this.channels.length) };
     const name = `${field} ${axis}`;
     const box = el("input", { type: "checkbox", checked: true, "aria-label": `show ${name}`,
-      onchange: () => { channel.on = box.checked; this.#rebuild(); } });  // prettier-ignore
-    channel.value = el("output", { "aria-label": name });
-    const chip = el("span", { className: "chip" }, box, name, channel.value,
-      button("", "×", () => {
-        this.followBox.checked = false;
-        this.channels = this.channels.filter((c) => c !== channel);
-        chip.remove();
+      onchange: () => {
+        channel.on = box.checked;
         this.#rebuild();
-      }, { "aria-label": `remove ${name}` }));  // prettier-ignore
+      } });
+    channel.value = el("output", { "aria-label": name });
+    const chip = el("span", { className: "chip" }, box, name, channel.value, button("", "×", () => {
+      this.followBox.checked = false;
+      this.channels = this.channels.filter((c) => c !== channel);
+      chip.remove();
+      this.#rebuild();
+    }, { "aria-label": `remove ${name}` }));
     chip.style.borderColor = `var(${channel.stroke})`;
     this.list.append(chip);
     this.channels.push(channel);
@@ -199,12 +207,8 @@ export class Scope {
   }
 
   #wanted() {
-    return {
-      kind: this.kind.value,
-      axis: Number(this.triggerAxis.value),
-      field: this.triggerField.value,
-      level: parseNumber(this.level.value) ?? 0,
-    };
+    return { kind: this.kind.value, axis: Number(this.triggerAxis.value),
+      field: this.triggerField.value, level: parseNumber(this.level.value) ?? 0 };
   }
 
   #flash(from, to) {
@@ -225,21 +229,17 @@ export class Scope {
   #series() {
     const { history } = this.page.machine;
     const shown = this.channels.filter((c) => c.on);
-    const sources = [
-      { source: history, shift: 0, prefix: "", overlay: false },
-      ...this.overlays.map(({ recording, shift }) => ({
-        source: recording,
-        shift,
-        prefix: `${recording.name}: `,
-        overlay: true,
-      })),
-    ];
+    const sources = [{ source: history, shift: 0, prefix: "", overlay: false },
+      ...this.overlays.map(({ recording, shift }) => ({ source: recording, shift,
+        prefix: `${recording.name}: `, overlay: true })
+      )];
     return sources.flatMap(({ source, shift, prefix, overlay }) =>
-      shown
-        .filter(({ axis, field }) => !overlay || (axis < source.axes && source.fields.includes(field)))
-        .map((channel) => ({ source, shift, channel, overlay,
-          name: `${prefix}${channel.field} ${channel.axis}` })),
-    );  // prettier-ignore
+      shown.filter(({ axis, field }) =>
+        !overlay || (axis < source.axes && source.fields.includes(field))
+      ).map((channel) => ({ source, shift, channel, overlay,
+        name: `${prefix}${channel.field} ${channel.axis}` })
+      )
+    );
   }
 
   /** The numbers. */
@@ -272,7 +272,8 @@ export class Scope {
   #read() {
     const at = (source, channel, t) => {
       const row = Math.min(source.end - 1, source.find(t));
-      return row < source.first ? null : source.value(row, source.column(channel.axis, channel.field));
+      return row < source.first ? null
+        : source.value(row, source.column(channel.axis, channel.field));
     };
     const [a, b] = this.marks;
     if (a === null && b === null) return setText(this.reading, "");

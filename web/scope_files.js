@@ -13,7 +13,8 @@ export function recordings(scope) {
   async function write(take) {
     const { history } = machine;
     const { held } = scope;
-    const [from, to] = held ? [history.find(held.from), history.find(held.to)] : [history.first, history.end];
+    const [from, to] = held ? [history.find(held.from), history.find(held.to)]
+      : [history.first, history.end];
     const head = csvHead(history);
     const pieces = history.pieces(from, to);
     const worker = new Worker("saving.js", { type: "module" });
@@ -35,8 +36,10 @@ export function recordings(scope) {
 
   async function saveCsv() {
     const { hello, driver } = machine;
-    const parts = [`# ${hello.scenario}, interval ${driver.interval_us} us; encnow, setpoint, demand, error: counts, or `
-      + "A/D units with that feedback; current: D/A units; vel: counts a sample\n"];
+    const parts = [
+      `# ${hello.scenario}, interval ${driver.interval_us} us; encnow, setpoint, demand, error: counts, or `
+      + "A/D units with that feedback; current: D/A units; vel: counts a sample\n",
+    ];
     await write((text) => parts.push(text));
     download(name("csv"), new Blob(parts), "text/csv");
   }
@@ -51,7 +54,7 @@ export function recordings(scope) {
   }
 
   /** The CSV that a file is, or that the designer makes of an MCAP file. */
-  async function text(file) {
+  async function csvOf(file) {
     if (!file.name.endsWith(".mcap")) return file;
     const bytes = new Uint8Array(await file.arrayBuffer());
     const base64 = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
@@ -61,7 +64,7 @@ export function recordings(scope) {
   async function open(files) {
     for (const file of files) {
       try {
-        scope.overlay(await Recording.of(await text(file), file.name));
+        scope.overlay(await Recording.of(await csvOf(file), file.name));
       } catch (error) {
         machine.say("error", error.message);
       }
@@ -69,12 +72,9 @@ export function recordings(scope) {
   }
 
   const input = el("input", { type: "file", accept: ".csv,.mcap", multiple: true, hidden: true,
-    onchange: () => open(input.files) });  // prettier-ignore
-  return [
-    button("scope-save", "Save CSV", () => machine.try(saveCsv())),
+    onchange: () => open(input.files) });
+  return [button("scope-save", "Save CSV", () => machine.try(saveCsv())),
     button("scope-mcap", "Save MCAP", () => machine.try(saveMcap())),
-    button("scope-open", "Open", () => input.click()),
-    input,
-    button("", "Close recordings", () => scope.closeAll()),
-  ];
+    button("scope-open", "Open", () => input.click()), input,
+    button("", "Close recordings", () => scope.closeAll())];
 }

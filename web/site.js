@@ -6,7 +6,8 @@
 // whole record, packed, is run again.
 
 import { run } from "./app.js";
-import { askedNumber, button, choice, download, el, labelled, parseInteger, setText } from "./dom.js";
+import { askedNumber, button, byId, choice, download, el, labelled, parseInteger,
+  setText } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { pack, readRecord, setupOf, unpack } from "./engine/record.js";
@@ -19,7 +20,7 @@ const TO_AND_FRO_S = 8;
 const TOUCHES = ["pointerdown", "keydown", "wheel"];
 const asked = new URLSearchParams(location.search);
 const isRecord = location.hash.startsWith(KEPT);
-const said = document.getElementById("said");
+const said = byId("said");
 const scenarios = await json("scenarios");
 let worker = null;
 let expected = null; // hash and build of the record that is replayed
@@ -67,38 +68,50 @@ const link = (changes) => {
 };
 const go = (changes) => location.assign(link({ scenario: scenario.value, ...changes }));
 const repeat = () => (isRecord ? location.reload() : go({}));
-const keep = async (text) => history.replaceState(null, "", `${location.pathname}${KEPT}${await pack(text)}`);
+const keep = async (text) =>
+  history.replaceState(null, "", `${location.pathname}${KEPT}${await pack(text)}`);
 const scenario = choice([], { id: "scenario", "aria-label": "scenario",
-  onchange: () => go({ scenario: scenario.value }) });  // prettier-ignore
+  onchange: () => go({ scenario: scenario.value }) });
 for (const folder of new Set(scenarios.map((s) => s.folder))) {
   const own = scenarios.filter((s) => s.folder === folder);
-  scenario.append(el("optgroup", { label: folder },
-    ...own.map((s) => el("option", { value: s.name, textContent: s.name, title: s.description }))));  // prettier-ignore
+  scenario.append(
+    el("optgroup", { label: folder }, ...own.map((s) =>
+      el("option", { value: s.name, textContent: s.name, title: s.description })
+    )),
+  );
 }
 const seed = el("input", { id: "seed", type: "text", size: 5, inputMode: "numeric",
-  onchange: () => go({ seed: seed.value }) });  // prettier-ignore
-const again = button("again", "Run again", repeat);
+  onchange: () => go({ seed: seed.value }) });
+const rerun = button("again", "Run again", repeat);
 const still = asked.get("plays") === "0";
-const alone = button("alone", still ? "With its motion" : "Without its motion", () => go({ plays: Number(still) }), {
-  title: "the machine as `mmcs tool` starts it: nobody moves it but you" });  // prettier-ignore
-const permalink = el("a", { id: "permalink", textContent: "link", title: "scenario and seed; once the motion is done, the whole record",
-  onclick: (event) => {
+const alone = button("alone", still ? "With its motion" : "Without its motion",
+  () => go({ plays: Number(still) }), {
+  title: "the machine as `mmcs tool` starts it: nobody moves it but you",
+});
+const permalink = el("a", { id: "permalink", textContent: "link",
+  title: "scenario and seed; once the motion is done, the whole record", onclick: (event) => {
     if (record.disabled) return;
     event.preventDefault();
     worker.postMessage({ record: "link" });
   } });
 const progress = el("output", { id: "progress" });
-const hash = el("output", { id: "hash", title: "digest of every sample and of the hardware at the end" });
+const hash = el("output", { id: "hash",
+  title: "digest of every sample and of the hardware at the end" });
 const record = button("record", "Save record", () => worker.postMessage({ record: "record" }), {
-  disabled: true, title: "run.mmcs, for `mmcs replay`" });  // prettier-ignore
-const log = button("log", "Save log", () => worker.postMessage({ record: "csv" }), { disabled: true });
+  disabled: true,
+  title: "run.mmcs, for `mmcs replay`",
+});
+const log = button("log", "Save log", () => worker.postMessage({ record: "csv" }), {
+  disabled: true,
+});
 const file = el("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
   onchange: async () => {
-    await keep(await file.files[0].text()).then(() => location.reload(), ({ message }) => fail(message));
+    await keep(await file.files[0].text()).then(() => location.reload(),
+      ({ message }) => fail(message));
   } });
 const open = button("", "Replay a record", () => file.click());
-document.getElementById("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), again,
-  alone, permalink, record, log, open, file, progress, hash);  // prettier-ignore
+byId("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), rerun, alone,
+  permalink, record, log, open, file, progress, hash);
 
 function show(told) {
   const { playing, reached, duration, speed, recorded, spoiled } = told;
@@ -107,8 +120,10 @@ function show(told) {
   record.disabled = !recorded;
   log.disabled = !told.hash;
   if (!told.hash) return;
-  const same = expected === null ? "" : told.hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`;
-  const by = expected === null || told.build === expected.build ? "" : ` by build ${expected.build}, this is ${told.build}`;
+  const same = expected === null ? ""
+    : told.hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`;
+  const by = expected === null || told.build === expected.build ? ""
+    : ` by build ${expected.build}, this is ${told.build}`;
   setText(hash, spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}${by}`);
   document.body.dataset.hash = told.hash;
   document.body.dataset.speed = speed;
@@ -131,21 +146,30 @@ function repeatMotion(page) {
   const again = async () => {
     const { history, enabled, controls } = machine;
     const axes = page.axes.filter(({ param }) => param);
-    if (asks || !document.body.dataset.hash || !enabled || !controls || axes.some(({ mode }) => mode !== "pos")) return;
+    if (asks || !document.body.dataset.hash || !enabled || !controls
+      || axes.some(({ mode }) => mode !== "pos"))
+    {
+      return;
+    }
     if (began === null) [began, last] = [history.now, axes.map(({ setpoint }) => setpoint)];
     const share = (1 - Math.cos((2 * Math.PI * (history.now - began)) / TO_AND_FRO_S)) / 2;
     asks = true;
-    await machine.try(Promise.all(axes.map((axis, n) => axis.setSetpoint(Math.round(last[n] * (1 - share))))));
+    await machine.try(
+      Promise.all(axes.map((axis, n) => axis.setSetpoint(Math.round(last[n] * (1 - share))))),
+    );
     asks = false;
   };
   machine.addEventListener("samples", again);
-  for (const type of TOUCHES)
-    document.addEventListener(type, () => machine.removeEventListener("samples", again), { capture: true });
+  for (const type of TOUCHES) {
+    document.addEventListener(type, () => machine.removeEventListener("samples", again), {
+      capture: true,
+    });
+  }
 }
 
 /** STOP has a way of its own to the Worker: it works while this page's stream floods. */
 function connectStop() {
-  const frame = document.getElementById("stop");
+  const frame = byId("stop");
   window.addEventListener("message", ({ source, data }) => {
     if (source !== frame.contentWindow || data !== "stop frame") return;
     const { port1, port2 } = new MessageChannel();
@@ -165,7 +189,8 @@ try {
   const started = await startMachine(setup, options, hear);
   worker = started.worker;
   connectStop();
-  const page = run(started.carrier, { advice: new PageAdvice(), labs: () => new PageLabs() }, true, DEADMAN_MS);
+  const page = run(started.carrier, { advice: new PageAdvice(), labs: () => new PageLabs() }, true,
+    DEADMAN_MS);
   repeatMotion(page);
   const paced = () => page.machine.link.request("pace", { speed: speed || null });
   if (asked.has("speed")) page.machine.addEventListener("control", paced, { once: true });

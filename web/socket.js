@@ -22,7 +22,8 @@ function connect(address, gone) {
 }
 
 function send(text) {
-  if (socket?.readyState === WebSocket.CONNECTING) socket.addEventListener("open", ({ target }) => target.send(text));
+  if (socket?.readyState === WebSocket.CONNECTING)
+    socket.addEventListener("open", ({ target }) => target.send(text));
   else if (socket?.readyState === WebSocket.OPEN) socket.send(text);
 }
 

@@ -31,16 +31,22 @@ export function lacks(machine) {
   if (machine.input("pc_power") === 0) words.push("power of the card cage");
   const silent = absentCards(machine);
   const { history, hello } = machine;
-  if (history.end > history.first && machine.input("pc_power") !== 0)
+  if (history.end > history.first && machine.input("pc_power") !== 0) {
     for (let card = 0; card < hello.cards; card++)
       if (!((history.lights(card) >> POWER) & 1) && !silent.includes(card)) silent.push(card);
-  if (silent.length)
-    words.push(`card${silent.length > 1 ? "s" : ""} ${silent.sort().join(" and ")}, which ${silent.length > 1 ? "are" : "is"} silent`);
+  }
+  if (silent.length) {
+    words.push(
+      `card${silent.length > 1 ? "s" : ""} ${silent.sort().join(" and ")}, which ${
+        silent.length > 1 ? "are" : "is"
+      } silent`,
+    );
+  }
   return words;
 }
 
 /** Why PANIC is up, from what can be seen: button, cable, power, heartbeats of switched-on axes. */
-export function panicCauses(machine, row) {
+export function panicCauses(machine, row = machine.history.end - 1) {
   const { history, hello } = machine;
   const causes = [];
   if (machine.input("estop")) causes.push("the hand-held button is pressed");
@@ -55,12 +61,12 @@ export function panicCauses(machine, row) {
 }
 
 const FAULTS = { estop: "the hand-held button was pressed", cable: "the ribbon cable came out",
-  pc_power: "the card cage lost its power" };  // prettier-ignore
+  pc_power: "the card cage lost its power" };
 
 /** The first of the events before the end of power that explains it. */
 export function causeOf(events, t) {
   const near = events.filter((e) => e.t >= t - BEFORE_S && e.t <= t + 0.001);
-  const of = (kind, wanted = () => true) => near.find((e) => e.kind === kind && wanted(e));
+  const of = (kind, wanted = (_) => true) => near.find((e) => e.kind === kind && wanted(e));
   const said = of("log", ({ text }) => /silent|lease|overrun|skipped|trip/.test(text));
   const fault = of("fault");
   const named = fault && Object.keys(FAULTS).find((name) => fault.text.startsWith(name));
@@ -80,10 +86,12 @@ const faultThatEnded = ({ messages, history }) =>
 /** The banner while a moment of the past is shown. */
 function pastOf({ machine, t, row }) {
   const lines = machine.history.value(row, machine.history.linesColumn);
-  const then = [lines & LINES.enabled ? "servo on" : "servo off", lines & LINES.brakes ? "brakes off" : "brakes on"];
+  const then = [lines & LINES.enabled ? "servo on" : "servo off",
+    lines & LINES.brakes ? "brakes off" : "brakes on"];
   const now = machine.enabled ? " The machine drives now: STOP works as ever." : "";
   return { kind: "past", cause: `The past, ${t.toFixed(3)} s: ${then.join(", ")}.`,
-    next: `Nothing can be changed there.${now} "Now" shows the present, "Go back there" restores that moment.` };
+    next:
+      `Nothing can be changed there.${now} "Now" shows the present, "Go back there" restores that moment.` };
 }
 
 /** An axis that is to move and stands, because its loop pushes with less than static friction holds:
@@ -100,7 +108,8 @@ export function stuckAxis({ history, driver }, motors) {
     const wanted = DRIVEN.includes(mode) && Math.abs(far) > (mode === MODES.pos ? STUCK_COUNTS : 0);
     const still = was.encnow === is.encnow && was.setpoint === is.setpoint;
     const weak = is.current !== 0 && Math.abs(is.current) < holds;
-    return wanted && still && weak ? { axis, pushes: Math.abs(is.current), holds, mode } : undefined;
+    return wanted && still && weak ? { axis, pushes: Math.abs(is.current), holds, mode }
+      : undefined;
   };
   return motors.map(stands).find(Boolean);
 }
@@ -110,51 +119,69 @@ export function stuckAxis({ history, driver }, motors) {
 export function condition(page, now) {
   const { machine } = page;
   const { history, powerEnd } = machine;
-  if (!machine.connected)
+  if (!machine.connected) {
     return { kind: "bad", cause: "Not connected to the machine.",
-      next: "A page that controlled it has stopped it by its end. Trying again every second." };  // prettier-ignore
-  if (!machine.stopPath)
+      next: "A page that controlled it has stopped it by its end. Trying again every second." };
+  }
+  if (!machine.stopPath) {
     return { kind: "bad", cause: "No STOP: its frame is not connected.",
-      next: "Control waits for it. Load the page by the address that mmcs tool printed." };  // prettier-ignore
-  if (history.end === history.first)
-    return { kind: "rest", cause: "No sample yet.", next: "Time passes while somebody has the device open." };
+      next: "Control waits for it. Load the page by the address that mmcs tool printed." };
+  }
+  if (history.end === history.first) {
+    return { kind: "rest", cause: "No sample yet.",
+      next: "Time passes while somebody has the device open." };
+  }
   if (page.past) return pastOf(page);
   const missing = lacks(machine);
-  const bare = machine.controls && machine.driver.params.some((param, n) => isInitial(param) && page.differs(n));
-  const next = missing.length ? `Enable lacks ${missing.join("; ")}.` : "Enable (E, then Enter) drives and opens the brakes.";
+  const bare = machine.controls
+    && machine.driver.params.some((param, n) => isInitial(param) && page.differs(n));
+  const next = missing.length ? `Enable lacks ${missing.join("; ")}.`
+    : "Enable (E, then Enter) drives and opens the brakes.";
   const frozen = now - machine.heard;
   if (!machine.paused && frozen > FROZEN_MS) {
     const fault = faultThatEnded(machine);
     const cause = `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`;
-    if (fault && takesSamples(machine))
+    if (fault && takesSamples(machine)) {
       return { kind: "bad", cause: `${cause} Since ${fault.t.toFixed(3)} s: ${fault.text}.`,
-        next: "The driver takes no samples since then. Go back before it, or start the machine again.", before: fault.t - BEFORE_S };
-    return { kind: "bad", cause, next: takesSamples(machine)
-      ? "The computer may be too busy, or the server hangs; STOP has a way of its own." : next };
+        next:
+          "The driver takes no samples since then. Go back before it, or start the machine again.",
+        before: fault.t - BEFORE_S };
+    }
+    return { kind: "bad", cause,
+      next: takesSamples(machine)
+        ? "The computer may be too busy, or the server hangs; STOP has a way of its own." : next };
   }
   const lines = history.value(history.end - 1, history.linesColumn);
   if (lines & LINES.enabled) {
-    if (lines & LINES.panic)
+    if (lines & LINES.panic) {
       return { kind: "bad", cause: `PANIC: ${panicCauses(machine).join("; ") || "cause unknown"}.`,
-        next: "Brakes hold. Mend the cause, then Enable." };  // prettier-ignore
+        next: "Brakes hold. Mend the cause, then Enable." };
+    }
     const errors = Array.from({ length: history.axes }, (_, n) => history.latest(n).errcode & 0xff);
     const at = errors.findIndex(Boolean);
-    if (at >= 0)
-      return { kind: "warn", cause: `Servo on; axis ${at}: ${errorWords(errors[at])}.`, next: "Clear errors once it is seen to." };
+    if (at >= 0) {
+      return { kind: "warn", cause: `Servo on; axis ${at}: ${errorWords(errors[at])}.`,
+        next: "Clear errors once it is seen to." };
+    }
     const stuck = stuckAxis(machine, page.about.motors);
     if (stuck) {
       const { axis, pushes, holds, mode } = stuck;
-      const advice = mode === MODES.torq ? "Ask for more torque." : "Raise P, take the robot's gains, or tune.";
-      return { kind: "warn", cause: `Servo on; axis ${axis} pushes ${pushes} D/A units, friction holds about ${Number(holds.toPrecision(2))}.`,
-        next: `${advice} Space or Escape stops.`, offer: mode !== MODES.torq && page.differs(axis) };  // prettier-ignore
+      const advice = mode === MODES.torq ? "Ask for more torque."
+        : "Raise P, take the robot's gains, or tune.";
+      return { kind: "warn",
+        cause: `Servo on; axis ${axis} pushes ${pushes} D/A units, friction holds about ${
+          Number(holds.toPrecision(2))
+        }.`, next: `${advice} Space or Escape stops.`,
+        offer: mode !== MODES.torq && page.differs(axis) };
     }
     const tail = machine.paused && machine.controls ? " Time is paused: Run on." : "";
-    return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}`, offer: bare };
+    return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}`,
+      offer: bare };
   }
   if (powerEnd !== null) {
     const why = causeOf(machine.messages.slice(-RECENT).filter(({ left }) => !left), powerEnd);
-    return { kind: "warn", cause: `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next, offer: bare };
+    return { kind: "warn", cause: `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next,
+      offer: bare };
   }
   return { kind: "rest", cause: "At rest, brakes on.", next, offer: bare };
 }
-

@@ -73,7 +73,10 @@ function tell(stopPath) {
 function show(state) {
   tell(Boolean(state));
   document.body.classList.toggle("stopped", Boolean(state?.stopped));
-  if (!state) return say("The machine does not answer.");
+  if (!state) {
+    say("The machine does not answer.");
+    return;
+  }
   press.setAttribute("aria-pressed", String(Boolean(state.button)));
   press.textContent = state.button ? "Release the button" : "Hand-held button";
   const now = state.enabled ? "servo on" : state.stopped ? "stopped" : "servo off";
@@ -88,9 +91,8 @@ stop.addEventListener("pointerdown", () => order("stop"));
 stop.addEventListener("keydown", (event) => {
   if (event.key === "Enter") order("stop");
 });
-press.addEventListener("click", () =>
-  order(press.getAttribute("aria-pressed") === "true" ? "release" : "press"),
-);
+press.addEventListener("click",
+  () => order(press.getAttribute("aria-pressed") === "true" ? "release" : "press"));
 document.addEventListener("keydown", (event) => {
   if (event.code !== "Space" && event.key !== "Escape") return;
   event.preventDefault();

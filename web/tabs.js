@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Panes side by side: axis, scope, and the chosen one of the other views beside the scope; how wide they are
-// and which view is chosen outlive a reload. A view is {title, element, shown(), update(), draw()}: update
-// with the state, draw with the pictures.
+// and which view is chosen outlive a reload.
 
 import { button, el } from "./dom.js";
 import { faults } from "./faults.js";
@@ -13,6 +12,10 @@ import { registersView } from "./registers.js";
 import { scopeView } from "./scope.js";
 import { tuneView } from "./tune.js";
 import { wavesView } from "./waves.js";
+
+/** update with the state, draw with the pictures; changes: the machine.
+ * @typedef {{title: string, element: HTMLElement, changes?: boolean, visible?: boolean, open?(): void,
+ *   shown?(): void, update?(): void, draw?(): void}} View */
 
 const LEAST = 20; // width of a pane, % of its room
 const BY_KEY = 2;
@@ -26,38 +29,33 @@ function splitter(room, name, start) {
   const put = (percent) => {
     now = Math.round(Math.max(LEAST, Math.min(100 - LEAST, percent)));
     room.style.setProperty(`--${name}`, `${now}%`);
-    bar.setAttribute("aria-valuenow", now);
-    localStorage.setItem(name, now);
+    bar.setAttribute("aria-valuenow", String(now));
+    localStorage.setItem(name, String(now));
   };
   bar.addEventListener("pointerdown", ({ pointerId }) => bar.setPointerCapture(pointerId));
   bar.addEventListener("pointermove", ({ pointerId, clientX }) => {
     const { left, width } = room.getBoundingClientRect();
     if (bar.hasPointerCapture(pointerId)) put((100 * (clientX - left)) / width);
   });
-  bar.addEventListener("keydown", ({ key }) => put(now + ({ ArrowLeft: -BY_KEY, ArrowRight: BY_KEY }[key] ?? 0)));
+  bar.addEventListener("keydown",
+    ({ key }) => put(now + ({ ArrowLeft: -BY_KEY, ArrowRight: BY_KEY }[key] ?? 0)));
   bar.addEventListener("dblclick", () => put(start));
   put(Number(localStorage.getItem(name)) || start);
   return bar;
 }
 
 /** A view that is a function of the page; changes: the machine. */
-function view(page, title, of, changes = false) {
+function rendered(page, title, of, changes = false) {
   const element = document.createElement("div");
   const update = () => render(of(page), element);
   return { title, element, shown: update, update, changes };
 }
 
 export function tabs(page) {
-  const views = [
-    scopeView(page),
-    tuneView(page),
-    view(page, "Machine", front),
-    registersView(page),
-    view(page, "Faults", faults, true),
-    wavesView(page),
-    labsView(page),
-    view(page, "Log", log),
-  ];
+  /** @type {View[]} */
+  const views = [scopeView(page), tuneView(page), rendered(page, "Machine", front),
+    registersView(page), rendered(page, "Faults", faults, true), wavesView(page), labsView(page),
+    rendered(page, "Log", log)];
   const bar = document.getElementById("tabs");
   const room = document.getElementById("views");
   const buttons = views.map((view, n) => {
@@ -86,7 +84,7 @@ export function tabs(page) {
     room.className = chosen ? "beside" : "";
     room.replaceChildren(views[0].element, ...(chosen ? [between, views[chosen].element] : []));
     views[chosen].shown?.();
-    localStorage.setItem("view", chosen);
+    localStorage.setItem("view", String(chosen));
   };
   document.getElementById("side").before(splitter(document.querySelector("main"), "axis", 32));
   show(Number(localStorage.getItem("view")) % views.length);

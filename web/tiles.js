@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // A tile for each axis: where it is, error, current, limits, brake. A press chooses the axis.
 
-import { html } from "./html.js";
+import { h } from "./html.js";
 import { errorWords, isBounded, MODE_NAMES, modeName } from "./params.js";
 import { LINES } from "./samples.js";
 
-export const tiles = (page) => page.axes.filter(({ param }) => param).map(({ number }) => tile(page, number));
+export const tiles = (page) =>
+  page.axes.filter(({ param }) => param).map(({ number }) => tile(page, number));
 
 function tile(page, axis) {
   const { machine, units, row } = page;
   const start = { type: "button", id: `tile${axis}`, "aria-pressed": String(axis === page.axis) };
   const press = () => page.choose(axis);
-  const who = html`<b>Axis ${axis}</b>`;
-  if (row < 0) return html`<button ...${start} class="tile" onClick=${press}><span class="who">${who}</span></button>`;
+  const span = (kind, ...inside) => h("span", { class: kind }, ...inside);
+  const who = h("b", {}, `Axis ${axis}`);
+  if (row < 0) return h("button", { ...start, class: "tile", onClick: press }, span("who", who));
   const { history } = machine;
   const lines = history.value(row, history.linesColumn);
   const now = history.at(axis, row);
@@ -24,12 +26,13 @@ function tile(page, axis) {
   const at = (now.fbnow - param.plo) / Math.max(1, param.phi - param.plo);
   const left = `${(100 * Math.max(0, Math.min(1, at))).toFixed(1)}%`;
   const wrong = errorWords(now.errcode);
-  return html`<button ...${start} class="tile ${wrong ? "bad" : ""}" onClick=${press}>
-    <span class="who">${who}<span class="mode">${MODE_NAMES[modeName(param, lines & LINES.enabled ? now.current : 0)]}</span></span>
-    <span class="place">${show("position", now.encnow)} ${place}</span>
-    <span class="lane">${bounded && html`<i class="range" style=${{ left }}></i>`}</span>
-    <span class="err">error ${param.mode & 0xf ? show("position", now.error) : "–"}</span>
-    <span class="line"><span class="cur">${show("current", now.current)} ${amps}</span><span class="lane">
-      <i class="bar ${share > 0.95 ? "full" : ""}" style=${{ transform: `scaleX(${share.toFixed(2)})` }}></i></span></span>
-    <span class="flag">${wrong || (lines & LINES.brakes ? "◇ brake off" : "◆ brake on")}</span></button>`;
+  const name = MODE_NAMES[modeName(param, lines & LINES.enabled ? now.current : 0)];
+  const bar = { class: `bar ${share > 0.95 ? "full" : ""}`,
+    style: { transform: `scaleX(${share.toFixed(2)})` } };
+  return h("button", { ...start, class: `tile ${wrong ? "bad" : ""}`, onClick: press },
+    span("who", who, span("mode", name)), span("place", `${show("position", now.encnow)} ${place}`),
+    span("lane", bounded && h("i", { class: "range", style: { left } })),
+    span("err", `error ${param.mode & 0xf ? show("position", now.error) : "–"}`),
+    span("line", span("cur", `${show("current", now.current)} ${amps}`), span("lane", h("i", bar))),
+    span("flag", wrong || (lines & LINES.brakes ? "◇ brake off" : "◆ brake on")));
 }

@@ -3,12 +3,14 @@
 // whole page that moment; the machine goes on meanwhile, unless it is sent back there. A future that was
 // left by going back stays as a branch, its marks hollow below the line.
 
-import { button, choice, html, labelled } from "./html.js";
+import { button, choice, h, labelled, row } from "./html.js";
+import { line } from "./log.js";
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 2, 5].map((speed) => [speed, `${speed} ×`]);
 const STEP_S = 0.01;
 const STEPS = 1000; // of the slider
-const MARKS = { stopped: "■", error: "▲", panic: "▲", fault: "◆", mode: "|", enabled: "●", rewind: "↶" };
+const MARKS = { stopped: "■", error: "▲", panic: "▲", fault: "◆", mode: "|", enabled: "●",
+  rewind: "↶" };
 const MOST_MARKS = 80;
 
 export function timeBar(page) {
@@ -22,26 +24,41 @@ export function timeBar(page) {
     const share = Number(target.value) / STEPS;
     page.look(share >= 1 ? null : from + share * (to - from));
   };
-  const then = page.past && html`${button("now", "Now", () => page.look(null))}
-    ${button("rewind-go", "Go back there", () => page.goBack(moment), { disabled: !controls })}
-    ${button("waves", "Waveforms there", () => page.showWaves(moment))}`;
-  const marks = machine.messages.filter(({ kind, t, value }) => MARKS[kind] && t >= from && t <= to
-    && (kind !== "stopped" || value)).slice(-MOST_MARKS);
-  const mark = ({ t, kind, axis, text, left }) => html`<i class="mark ${kind} ${left ? "left" : ""}"
-    style=${{ left: `${100 * place(t)}%` }}
-    title="${t.toFixed(3)} s  ${kind}${axis >= 0 ? ` axis ${axis}` : ""}: ${text}${left ? " (in a future that was left)" : ""}">${MARKS[kind]}</i>`;
-  const branch = (b) => html`<i class="branch" style=${{ left: `${100 * place(Math.max(from, b.from))}%`,
-    width: `${100 * (place(Math.min(to, b.to)) - place(Math.max(from, b.from)))}%` }} title="${b.from.toFixed(3)} to ${b.to.toFixed(3)} s: a future that was left"></i>`;
+  const then = page.past
+    && [button("now", "Now", () => page.look(null)), button("rewind-go", "Go back there", () =>
+      page.goBack(moment), { disabled: !controls }), button("waves", "Waveforms there", () =>
+        page.showWaves(moment))];
+  const marks = machine.messages.filter(({ kind, t, value }) =>
+    MARKS[kind] && t >= from && t <= to && (kind !== "stopped" || value)
+  ).slice(-MOST_MARKS);
+  const mark = (one) =>
+    h("i", { class: `mark ${one.kind} ${one.left ? "left" : ""}`,
+      style: { left: `${100 * place(one.t)}%` },
+      title: `${line(one)}${one.left ? " (in a future that was left)" : ""}` }, MARKS[one.kind]);
+  const branch = (one) => {
+    const [begin, end] = [Math.max(from, one.from), Math.min(to, one.to)].map(place);
+    return h("i", { class: "branch",
+      style: { left: `${100 * begin}%`, width: `${100 * (end - begin)}%` },
+      title: `${one.from.toFixed(3)} to ${one.to.toFixed(3)} s: a future that was left` });
+  };
   const shown = moment ?? to;
-  return html`<div class="row">
-      ${button("pause", paused ? "Run on" : "Pause", () => ask("pace", { paused: !paused }), { disabled: !controls })}
-      ${button("step", "10 ms on", () => ask("advance", { seconds: STEP_S }), { disabled: !controls || !paused })}
-      ${labelled("Speed", choice(page, { id: "speed", name: "speed", options: SPEEDS, value: machine.speed ?? "",
-        disabled: !controls, take: (speed) => machine.link.request("pace", { speed: Number(speed) }) }))}
-      ${button("snapshot", "Keep this moment", () => ask("snapshot", {}))}<span class="grow"></span>
-      <output id="rewind-time" aria-live="off">${page.past ? `${moment.toFixed(3)} s is shown` : ""}</output>${then}</div>
-    <div class="track"><div class="marks" aria-hidden="true">${machine.branches.filter((b) => b.to > from && b.from < to).map(branch)}
-      ${marks.map(mark)}</div>
-      <input type="range" min="0" max=${STEPS} step="1" id="rewind" aria-label="moment shown" disabled=${history.end === history.first}
-        aria-valuetext="${shown.toFixed(3)} s${page.past ? "" : ", now"}" value=${Math.round(STEPS * place(shown))} onInput=${look} /></div>`;
+  const speed = { id: "speed", name: "speed", options: SPEEDS, value: machine.speed ?? "",
+    disabled: !controls, take: (value) => machine.link.request("pace", { speed: Number(value) }) };
+  const slider = { type: "range", min: 0, max: STEPS, step: 1, id: "rewind",
+    "aria-label": "moment shown", disabled: history.end === history.first,
+    "aria-valuetext": `${shown.toFixed(3)} s${page.past ? "" : ", now"}`,
+    value: Math.round(STEPS * place(shown)), onInput: look };
+  return [
+    row(button("pause", paused ? "Run on" : "Pause", () =>
+      ask("pace", { paused: !paused }), { disabled: !controls }), button("step", "10 ms on", () =>
+        ask("advance", { seconds: STEP_S }), { disabled: !controls || !paused }),
+      labelled("Speed", choice(page, speed)), button("snapshot", "Keep this moment", () =>
+        ask("snapshot", {})), h("span", { class: "grow" }),
+      h("output", { id: "rewind-time", "aria-live": "off" },
+        page.past ? `${moment.toFixed(3)} s is shown` : ""), then),
+    h("div", { class: "track" },
+      h("div", { class: "marks", "aria-hidden": "true" }, machine.branches.filter((one) =>
+        one.to > from && one.from < to
+      ).map(branch), marks.map(mark)), h("input", slider)),
+  ];
 }

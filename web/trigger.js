@@ -12,13 +12,13 @@ export function findTrigger(history, { kind, axis, field, level }, from, to) {
   if (kind === "panic") return crossing(history, history.linesColumn, start, to, panicked);
   if (kind === "error") {
     const columns = Array.from({ length: history.axes }, (_, n) => history.column(n, "errcode"));
-    const rows = columns
-      .map((column) => crossing(history, column, start, to, (was, is) => !(was & 255) && is & 255))
-      .filter((row) => row >= 0);
+    const rows = columns.map((column) =>
+      crossing(history, column, start, to, (was, is) => !(was & 255) && is & 255)
+    ).filter((row) => row >= 0);
     return rows.length ? Math.min(...rows) : -1;
   }
-  const edge =
-    kind === "rise" ? (was, is) => was < level && is >= level : (was, is) => was > level && is <= level;
+  const edge = kind === "rise" ? (was, is) => was < level && is >= level
+    : (was, is) => was > level && is <= level;
   return crossing(history, history.column(axis, field), start, to, edge);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step response, Bode plot and auto-tune of one axis, beside what the design predicts.
 
-import uPlot from "./lib/uplot/uPlot.esm.js";
 import { button, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
+import uPlot from "./lib/uplot/uPlot.esm.js";
 
 const STEP_S = 0.6; // of a step, recorded
 const LONGEST_MS = 600_000; // that it may take on a slow computer
@@ -10,7 +10,8 @@ const LONGEST_MS = 600_000; // that it may take on a slow computer
 export function tuneView(page) {
   const { machine, advice } = page;
   const named = el("b", { id: "tune-axis" });
-  const number = (id, value, name) => el("input", { type: "text", size: 6, value, id, "aria-label": name });
+  const number = (id, value, name) =>
+    el("input", { type: "text", size: 6, value, id, "aria-label": name });
   const size = number("step-size", "200", "step, counts");
   const wn = number("tune-wn", "50", "bandwidth, rad/s");
   const zeta = number("tune-zeta", "1", "damping");
@@ -29,12 +30,15 @@ export function tuneView(page) {
 
   /** What was typed into some of the fields, by name; null, and a line, if one is no number. */
   function typed(fields) {
-    for (const field of Object.values(fields))
+    for (const field of Object.values(fields)) {
       if (parseNumber(field.value) === null) {
         machine.say("error", `${field.getAttribute("aria-label")}: "${field.value}" is no number`);
         return null;
       }
-    return Object.fromEntries(Object.entries(fields).map(([name, { value }]) => [name, parseNumber(value)]));
+    }
+    return Object.fromEntries(
+      Object.entries(fields).map(([name, { value }]) => [name, parseNumber(value)]),
+    );
   }
 
   async function experiment(op, args) {
@@ -42,11 +46,9 @@ export function tuneView(page) {
     if (!machine.enabled) return machine.say("error", "enable the machine first");
     advice.pulse(machine.hangs_ms);
     try {
-      return await machine.try(advice.request(op, {
-        ...args,
-        lender: machine.hello.you,
-        deadman_ms: machine.deadman_ms,
-      }));
+      return await machine.try(
+        advice.request(op, { ...args, lender: machine.hello.you, deadman_ms: machine.deadman_ms }),
+      );
     } finally {
       advice.pulse(0);
       setText(progress, "");
@@ -60,23 +62,24 @@ export function tuneView(page) {
     const asked = typed({ wn, zeta, half });
     const done = asked && (await experiment("tune", { axis: chosen, ...asked }));
     if (!done) return;
-    motors.set(chosen, { motor: done.motor, away: done.break_away, wn: asked.wn, zeta: asked.zeta });
+    motors.set(chosen, { motor: done.motor, away: done.break_away, wn: asked.wn,
+      zeta: asked.zeta });
     const { motor, step, predicted, margins, gains } = done;
     before = { axis: chosen, param: done.before };
     tuned = { axis: chosen, param: done.param };
     undo.hidden = !done.fine;
     keep.hidden = done.fine;
     save.hidden = false;
-    judged(done.fine, `${done.verdict}${done.fine ? "" : " The axis has its old parameters again."}`);
-    table({
-      ...figures(step, predicted),
-      "g, counts/s² per D/A unit": motor.g.toFixed(2),
+    judged(done.fine,
+      `${done.verdict}${done.fine ? "" : " The axis has its old parameters again."}`);
+    table({ ...figures(step, predicted), "g, counts/s² per D/A unit": motor.g.toFixed(2),
       "viscous, 1/s": motor.lag.toFixed(2),
-      "Coulomb +/−, break-away, D/A units": `${motor.tc_pos.toFixed(0)} / ${motor.tc_neg.toFixed(0)}, ${done.break_away.toFixed(0)}`,
-      "fit of the motion": motor.fit.toFixed(3),
-      "P, I, D, filter": `${gains.p.toFixed(2)}, ${gains.i.toFixed(1)}, ${gains.d.toFixed(3)}, ${(gains.tau * 1000).toFixed(2)} ms`,
-      "phase margin": `${margins.phase_deg.toFixed(0)}°`,
-    });
+      "Coulomb +/−, break-away, D/A units": `${motor.tc_pos.toFixed(0)} / ${
+        motor.tc_neg.toFixed(0)
+      }, ${done.break_away.toFixed(0)}`, "fit of the motion": motor.fit.toFixed(3),
+      "P, I, D, filter": `${gains.p.toFixed(2)}, ${gains.i.toFixed(1)}, ${gains.d.toFixed(3)}, ${
+        (gains.tau * 1000).toFixed(2)
+      } ms`, "phase margin": `${margins.phase_deg.toFixed(0)}°` });
     plots.replaceChildren();
     beside(step, predicted);
   }
@@ -101,19 +104,22 @@ export function tuneView(page) {
   function toml() {
     const { mode, ...numbers } = tuned.param;
     const lines = Object.entries(numbers).map(([name, value]) => `${name} = ${value}`);
-    return ["[[servo]]", `axis = ${tuned.axis}`, 'mode = "position"', 'flags = ["coulcomp"]', ...lines, ""].join("\n");
+    return ["[[servo]]", `axis = ${tuned.axis}`, 'mode = "position"', 'flags = ["coulcomp"]',
+      ...lines, ""].join("\n");
   }
 
   /** A step there, recorded from the stream, beside the prediction. */
-  async function step() {
+  async function makeStep() {
     const chosen = page.axis;
     const counts = parseNumber(size.value);
     if (!machine.controls) return machine.say("error", "take control first");
-    if (!Number.isInteger(counts)) return machine.say("error", `"${size.value}" is no step in counts`);
+    if (!Number.isInteger(counts))
+      return machine.say("error", `"${size.value}" is no step in counts`);
     const { history } = machine;
     const from = history.latest(chosen).setpoint;
     const start = history.now;
-    if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null) return undefined;
+    if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null)
+      return undefined;
     await machine.seen(() => history.now > start + STEP_S, LONGEST_MS);
     const done = await machine.try(advice.request("judge", {
       ...stepRows(history, chosen, start, from, counts),
@@ -121,17 +127,17 @@ export function tuneView(page) {
       size: counts,
       param: machine.driver.params[chosen],
       interval_s: page.interval_s(chosen),
-    }));  // prettier-ignore
+    }));
     if (!done) return undefined;
     if (done.verdict) judged(done.fine, done.verdict);
-    const made = await predicted(chosen, { step: counts, seconds: done.t.at(-1) });
+    const made = await predict(chosen, { step: counts, seconds: done.t.at(-1) });
     table(figures(done, made));
     plots.replaceChildren();
     return beside(done, made);
   }
 
   /** What Python expects of an axis, once its motor is known. */
-  async function predicted(chosen, more) {
+  async function predict(chosen, more) {
     const known = motors.get(chosen);
     if (!known) return null;
     const param = machine.driver.params[chosen];
@@ -153,15 +159,19 @@ export function tuneView(page) {
   async function bode() {
     const chosen = page.axis;
     const asked = typed({ size });
-    const made = asked && (await experiment("chirp", { axis: chosen, amplitude: Math.abs(asked.size) / 2,
-      low: 1, high: 40, seconds: 12 }));
+    const made = asked
+      && (await experiment("chirp", { axis: chosen, amplitude: Math.abs(asked.size) / 2, low: 1,
+        high: 40, seconds: 12 }));
     if (!made) return;
     plots.replaceChildren();
-    const model = await predicted(chosen);
-    for (const [unit, measured, predicted] of [["dB", made.gain_db, model?.bode_db],
-      ["°", made.phase_deg, model?.bode_deg], ["coherence", made.coherence, null]]) {  // prettier-ignore
+    const model = await predict(chosen);
+    for (const [unit, measured, predicted] of [["dB", made.gain_db, model?.bode_db], ["°",
+      made.phase_deg, model?.bode_deg], ["coherence", made.coherence, null]])
+    {
       const tables = [[made.hz, measured]];
-      const series = [{ label: `measured, ${unit}`, stroke: colour("--c0"), points: { show: true } }];
+      /** @type {object[]} */
+      const series = [{ label: `measured, ${unit}`, stroke: colour("--c0"),
+        points: { show: true } }];
       if (predicted) {
         tables.push([model.hz, predicted]);
         series.push({ label: "model", stroke: colour("--c1"), dash: [6, 3] });
@@ -171,52 +181,51 @@ export function tuneView(page) {
   }
 
   function table(rows) {
-    result.replaceChildren(el("table", {}, ...Object.entries(rows).map(([name, value]) =>
-      el("tr", {}, el("td", {}, name), el("td", {}, String(value))))));  // prettier-ignore
+    result.replaceChildren(
+      el("table", {}, ...Object.entries(rows).map(([name, value]) =>
+        el("tr", {}, el("td", {}, name), el("td", {}, String(value)))
+      )),
+    );
   }
 
   const undo = button("tune-undo", "Undo", () => put(before, "its old parameters again"));
-  const keep = button("tune-keep", "Keep all the same", () => put(tuned, "the parameters that auto-tune made"));
-  const save = button("tune-save", "Save as TOML", () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
+  const keep = button("tune-keep", "Keep all the same",
+    () => put(tuned, "the parameters that auto-tune made"));
+  const save = button("tune-save", "Save as TOML",
+    () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
   undo.hidden = keep.hidden = save.hidden = true;
   const update = () => setText(named, `Axis ${page.axis}`);
   const element = el("div", { className: "tune" },
     el("div", { className: "row" }, named, labelled("Step", size, "counts"),
-      button("step-go", "Step", step), button("bode-go", "Bode plot", bode)),
+      button("step-go", "Step", makeStep), button("bode-go", "Bode plot", bode)),
     el("div", { className: "row" }, labelled("Bandwidth", wn, "rad/s"), labelled("Damping", zeta),
-      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, keep, save),
-    el("p", {}, "Auto-tune moves the axis within the safe range about where it stands, in torque " +
-      "mode; STOP ends it. Gains and friction compensation whose step does what is asked stay, and the " +
-      "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
-    progress, verdict, result, plots);  // prettier-ignore
+      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, keep,
+      save),
+    el("p", {},
+      "Auto-tune moves the axis within the safe range about where it stands, in torque "
+        + "mode; STOP ends it. Gains and friction compensation whose step does what is asked stay, and the "
+        + "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
+    progress, verdict, result, plots);
   return { title: "Tune", element, shown: update, update, changes: true };
 }
 
 function draw(room, unit, data, series, logarithmic = false) {
-  new uPlot(
-    {
-      width: room.clientWidth || 500,
-      height: 220,
-      scales: { x: { time: false, distr: logarithmic ? 3 : 1 } },
-      axes: [{ label: logarithmic ? "Hz" : "s" }, { label: unit, size: 60 }].map((axis) => ({
-        ...axis, stroke: colour("--soft"), grid: { stroke: colour("--shade") }, ticks: { stroke: colour("--shade") } })),
-      series: [{}, ...series.map((s) => ({ spanGaps: true, ...s }))],
-    },
-    data,
-    room,
-  );
+  new uPlot({ width: room.clientWidth || 500, height: 220,
+    scales: { x: { time: false, distr: logarithmic ? 3 : 1 } },
+    axes: [{ label: logarithmic ? "Hz" : "s" }, { label: unit, size: 60 }].map((axis) => ({ ...axis,
+      stroke: colour("--soft"), grid: { stroke: colour("--shade") },
+      ticks: { stroke: colour("--shade") } })
+    ), series: [{}, ...series.map((s) => ({ spanGaps: true, ...s }))] }, data, room);
 }
 
 function figures(measured, predicted) {
-  const say = (value, unit) => (value === null || value === undefined ? "never" : `${value} ${unit}`);
+  const say = (value,
+    unit) => (value === null || value === undefined ? "never" : `${value} ${unit}`);
   const row = (name, unit) =>
-    say(measured[name], unit) + (predicted && name in predicted ? `  (${say(predicted[name], unit)} predicted)` : "");
-  return {
-    rise: row("rise_ms", "ms"),
-    overshoot: row("overshoot_pct", "%"),
-    settling: row("settle_ms", "ms"),
-    "steady error": row("steady_error_counts", "counts"),
-  };
+    say(measured[name], unit)
+    + (predicted && name in predicted ? `  (${say(predicted[name], unit)} predicted)` : "");
+  return { rise: row("rise_ms", "ms"), overshoot: row("overshoot_pct", "%"),
+    settling: row("settle_ms", "ms"), "steady error": row("steady_error_counts", "counts") };
 }
 
 /** Times, counts from the old setpoint on, and currents of a step that the driver has taken. */

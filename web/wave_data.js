@@ -4,7 +4,12 @@
 /** One net: the clocks at which it changed, the first being that at which it began, and its values. */
 export class Net {
   constructor({ name, width, form, curve, names }, { clocks, values }) {
-    Object.assign(this, { name, width, form, curve, names, clocks });
+    this.name = name;
+    this.width = width;
+    this.form = form;
+    this.curve = curve;
+    this.names = names;
+    this.clocks = clocks;
     const mask = width === 32 ? 0xffffffff : 2 ** width - 1;
     const sign = 2 ** (width - 1);
     this.values = values.map((value) => {
@@ -41,7 +46,8 @@ export class Net {
   text(value) {
     if (this.names[value] !== undefined) return this.names[value];
     if (this.form === "signed" || this.width === 1) return String(value);
-    if (this.form === "hex") return `0x${value.toString(16).toUpperCase().padStart(Math.ceil(this.width / 4), "0")}`;
+    if (this.form === "hex")
+      return `0x${value.toString(16).toUpperCase().padStart(Math.ceil(this.width / 4), "0")}`;
     return value.toString(2).padStart(this.width, "0");
   }
 }
@@ -49,12 +55,13 @@ export class Net {
 /** The answer to `waves`: groups of nets. */
 export class Waves {
   constructor({ clk_hz, from, to, groups, nets }) {
-    Object.assign(this, { clk_hz, from, to });
+    this.clk_hz = clk_hz;
+    this.from = from;
+    this.to = to;
     let at = 0;
-    this.groups = groups.map(({ name, signals }) => ({
-      name,
-      nets: signals.map((signal) => new Net(signal, nets[at++])),
-    }));
+    this.groups = groups.map(({ name, signals }) => ({ name,
+      nets: signals.map((signal) => new Net(signal, nets[at++])) })
+    );
   }
 
   seconds(clock) {

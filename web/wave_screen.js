@@ -38,11 +38,13 @@ export class WaveScreen {
   /** Of a clock; and back. */
   x(clock) {
     const { from, to } = this.view;
-    return this.namesWidth + ((clock - from) / (to - from)) * (this.canvas.clientWidth - this.namesWidth);
+    return this.namesWidth
+      + ((clock - from) / (to - from)) * (this.canvas.clientWidth - this.namesWidth);
   }
   clock(x) {
     const { from, to } = this.view;
-    return from + ((x - this.namesWidth) / (this.canvas.clientWidth - this.namesWidth)) * (to - from);
+    return from
+      + ((x - this.namesWidth) / (this.canvas.clientWidth - this.namesWidth)) * (to - from);
   }
 
   /** view: {from, to} in clocks; at: the cursor; marks: A and B; zero: the clock that is 0 of the scale. */
@@ -85,7 +87,7 @@ export class WaveScreen {
     c.fillStyle = this.soft;
     for (let n = Math.ceil(seconds(from) / step); n * step <= seconds(to); n++) {
       const x = Math.round(this.x(zero + n * step * waves.clk_hz)) + 0.5;
-      line(c, [[x, top + HEAD - 4], [x, height]]);  // prettier-ignore
+      line(c, [[x, top + HEAD - 4], [x, height]]);
       c.fillText(n ? duration(n * step) : "0", x + 2, top + HEAD / 2);
     }
     c.beginPath();
@@ -131,14 +133,16 @@ export class WaveScreen {
   /** Changes within the view: {x, value}, many of a pixel as one; and where the view ends. */
   #changes(net) {
     const { from, to } = this.view;
-    const made = [{ x: this.namesWidth, value: net.at(from), low: net.at(from), high: net.at(from) }];
+    const made = [{ x: this.namesWidth, value: net.at(from), low: net.at(from),
+      high: net.at(from) }];
     for (let n = net.find(from) + 1; n < net.clocks.length && net.clocks[n] <= to; n++) {
       const x = Math.round(this.x(net.clocks[n])) + 0.5;
       const value = net.values[n];
       const last = made.at(-1);
       if (last.x === x && made.length > 1) {
-        Object.assign(last, { value, low: Math.min(last.low, value), high: Math.max(last.high, value) });
-      } else made.push({ x, value, low: value, high: value });
+        Object.assign(last, { value, low: Math.min(last.low, value),
+          high: Math.max(last.high, value) });
+      } else { made.push({ x, value, low: value, high: value }); }
     }
     return made;
   }
@@ -163,8 +167,10 @@ export class WaveScreen {
       const end = made[n + 1]?.x ?? this.canvas.clientWidth + 4;
       const slant = Math.min(2, (end - x) / 2);
       const left = n ? x + slant : x;
-      line(c, [[x, top + height / 2], [left, top], [end - slant, top], [end, top + height / 2],
-        [end - slant, top + height], [left, top + height], [x, top + height / 2]]);  // prettier-ignore
+      line(c, [[x, top + height / 2], [left, top], [end - slant, top], [end, top + height / 2], [
+        end - slant,
+        top + height,
+      ], [left, top + height], [x, top + height / 2]]);
       const text = net.text(value);
       const seen = Math.min(end, this.canvas.clientWidth) - x;
       if (c.measureText(text).width < seen - 6) c.fillText(text, x + 4, top + height / 2 + 0.5);
@@ -177,7 +183,7 @@ export class WaveScreen {
     c.save();
     c.strokeStyle = c.fillStyle = this.ink;
     c.setLineDash(name ? [4, 4] : []);
-    line(c, [[x, top], [x, height]]);  // prettier-ignore
+    line(c, [[x, top], [x, height]]);
     if (name) c.fillText(name, x + 2, top + HEAD + 7);
     c.restore();
   }

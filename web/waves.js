@@ -6,8 +6,9 @@ import { button, el, gestures, labelled, parseNumber, perFrame, setText } from "
 import { duration, Waves } from "./wave_data.js";
 import { HEAD, layOut, WaveScreen } from "./wave_screen.js";
 
-const HELP = "left and right: from change to change of the chosen net; with shift: move; up and down: "
-  + "another net; + and -: zoom; 0: all of it; A and B: cursors; drag moves, the wheel zooms";  // prettier-ignore
+const HELP =
+  "left and right: from change to change of the chosen net; with shift: move; up and down: "
+  + "another net; + and -: zoom; 0: all of it; A and B: cursors; drag moves, the wheel zooms";
 const ZOOM = 1.5;
 const LEAST_CLKS = 8;
 
@@ -23,6 +24,7 @@ export function wavesView(page) {
 class WavesView {
   title = "Waves";
   visible = false;
+  open = () => {}; // of tabs.js
 
   constructor(page) {
     this.page = page;
@@ -39,30 +41,35 @@ class WavesView {
     const submit = (event) => {
       if (event.key === "Enter") this.draws();
     };
-    this.t = el("input", { type: "text", size: 11, id: "waves-t", inputMode: "decimal", onkeydown: submit });
-    this.ms = el("input", { type: "text", size: 4, value: "2", id: "waves-ms", inputMode: "decimal", onkeydown: submit });
+    this.t = el("input", { type: "text", size: 11, id: "waves-t", inputMode: "decimal",
+      onkeydown: submit });
+    this.ms = el("input", { type: "text", size: 4, value: "2", id: "waves-ms", inputMode: "decimal",
+      onkeydown: submit });
     this.said = el("output", { id: "waves-said", role: "status" });
     this.reading = el("output", { id: "waves-reading", role: "status" });
     this.chips = el("div", { className: "row", id: "waves-groups" });
-    this.canvas = el("canvas", { id: "waves-canvas", tabIndex: 0, className: "own-keys", title: HELP });
+    this.canvas = el("canvas", { id: "waves-canvas", tabIndex: 0, className: "own-keys",
+      title: HELP });
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", `waveforms; ${HELP}`);
     this.sheet = el("div", { className: "sheet" }, this.canvas);
     this.screen = new WaveScreen(this.canvas);
     const served = !this.page.machine.hello.waves;
     const trace = sign("waves-trace", "As a file for gtkwave", () => this.trace(),
-      "by the trace build, which is made if need be");  // prettier-ignore
+      "by the trace build, which is made if need be");
     this.element = el("div", { className: "waves" },
-      el("div", { className: "row" }, labelled("Around", this.t, "s"), labelled("for", this.ms, "ms"),
-        button("waves-draw", "Draw", () => this.draws()),
+      el("div", { className: "row" }, labelled("Around", this.t, "s"),
+        labelled("for", this.ms, "ms"), button("waves-draw", "Draw", () => this.draws()),
         button("waves-scope", "At the scope's A", () => this.fromScope()),
         button("waves-now", "Now", () => this.ask(this.#now)), served ? trace : "", this.said),
       el("div", { className: "row" }, sign("waves-back", "◀", () => this.pan(-0.3), "earlier"),
-        sign("waves-on", "▶", () => this.pan(0.3), "later"), sign("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
-        sign("waves-out", "−", () => this.zoom(ZOOM), "zoom out"), button("waves-all", "All", () => this.all()),
-        sign("waves-a", "A", () => this.mark(0), "cursor A here"), sign("waves-b", "B", () => this.mark(1), "cursor B here"),
-        this.chips),
-      this.reading, this.sheet);  // prettier-ignore
+        sign("waves-on", "▶", () => this.pan(0.3), "later"),
+        sign("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
+        sign("waves-out", "−", () => this.zoom(ZOOM), "zoom out"),
+        button("waves-all", "All", () => this.all()),
+        sign("waves-a", "A", () => this.mark(0), "cursor A here"),
+        sign("waves-b", "B", () => this.mark(1), "cursor B here"), this.chips), this.reading,
+      this.sheet);
     this.sheet.addEventListener("scroll", () => this.redraw());
     this.canvas.addEventListener("keydown", (event) => this.#key(event));
     this.canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
@@ -70,7 +77,8 @@ class WavesView {
     const clock = (x) => this.screen.clock(x);
     gestures(this.canvas, { takes: () => this.waves, tap: (x, y) => this.#click(x, y),
       zoom: (factor, x) => this.zoom(factor, clock(x)),
-      pan: (was, x) => this.#look(this.view.from + clock(was) - clock(x), this.view.to - this.view.from) });
+      pan: (was, x) =>
+        this.#look(this.view.from + clock(was) - clock(x), this.view.to - this.view.from) });
   }
 
   get #now() {
@@ -86,8 +94,10 @@ class WavesView {
 
   fromScope() {
     const t = this.page.scope?.moment();
-    if (t === null || t === undefined)
-      return this.page.machine.say("error", "the scope has no cursor A, and does not hold: set one there");
+    if (t === null || t === undefined) {
+      return this.page.machine.say("error",
+        "the scope has no cursor A, and does not hold: set one there");
+    }
     return this.ask(t);
   }
 
@@ -124,8 +134,7 @@ class WavesView {
     if (!wanted) return;
     setText(this.said, "tracing; the first time a machine is built for it");
     const made = await this.#request("trace", wanted);
-    if (!made) return setText(this.said, "");
-    return setText(this.said, made.opened ? "opened" : `gtkwave ${made.file} ${made.view}`);
+    setText(this.said, made ? (made.opened ? "opened" : `gtkwave ${made.file} ${made.view}`) : "");
   }
 
   show(waves, t) {
@@ -140,7 +149,7 @@ class WavesView {
         this.redraw();
       } });
       return labelled(name, box);
-    }));  // prettier-ignore
+    }));
     this.selected = waves.groups[0].nets[0];
     this.all();
     this.element.dataset.from = String(waves.seconds(waves.from));
@@ -151,12 +160,19 @@ class WavesView {
     this.laid = layOut(this.waves, this.hidden);
     this.screen.draw(this);
     const { selected, at, waves, marks } = this;
-    const said = [`${waves.seconds(at).toFixed(7)} s: ${selected.name} ${selected.text(selected.at(at))}`];
+    const said = [
+      `${waves.seconds(at).toFixed(7)} s: ${selected.name} ${selected.text(selected.at(at))}`,
+    ];
     marks.forEach((clock, n) => {
       if (clock === null) return;
-      said.push(`${"AB"[n]} ${duration((clock - this.zero) / waves.clk_hz)}: ${selected.text(selected.at(clock))}`);
+      said.push(
+        `${"AB"[n]} ${duration((clock - this.zero) / waves.clk_hz)}: ${
+          selected.text(selected.at(clock))
+        }`,
+      );
     });
-    if (marks[0] !== null && marks[1] !== null) said.push(`Δ ${duration((marks[1] - marks[0]) / waves.clk_hz)}`);
+    if (marks[0] !== null && marks[1] !== null)
+      said.push(`Δ ${duration((marks[1] - marks[0]) / waves.clk_hz)}`);
     setText(this.reading, said.join("   "));
   }
 
@@ -222,18 +238,11 @@ class WavesView {
       const found = this.selected.next(this.at, forward);
       if (found !== null) this.#goTo(found);
     };
-    const acts = {
-      ArrowLeft: () => (event.shiftKey ? this.pan(-0.2) : change(false)),
+    const acts = { ArrowLeft: () => (event.shiftKey ? this.pan(-0.2) : change(false)),
       ArrowRight: () => (event.shiftKey ? this.pan(0.2) : change(true)),
-      ArrowUp: () => this.#choose(-1),
-      ArrowDown: () => this.#choose(1),
-      "+": () => this.zoom(1 / ZOOM),
-      "=": () => this.zoom(1 / ZOOM),
-      "-": () => this.zoom(ZOOM),
-      0: () => this.all(),
-      a: () => this.mark(0),
-      b: () => this.mark(1),
-    };
+      ArrowUp: () => this.#choose(-1), ArrowDown: () => this.#choose(1),
+      "+": () => this.zoom(1 / ZOOM), "=": () => this.zoom(1 / ZOOM), "-": () => this.zoom(ZOOM),
+      0: () => this.all(), a: () => this.mark(0), b: () => this.mark(1) };
     const act = acts[event.key] ?? acts[event.key.toLowerCase()];
     if (!act) return;
     event.preventDefault();

@@ -26,7 +26,7 @@ from mmcs import ROOT
 PAGES = ROOT / "web"
 LOOPBACK = "127.0.0.1"
 # What an address below lib/ means; packages of npm, fetched by `make tool`, never committed.
-LIBRARIES = {"htm": "htm/dist", "preact": "preact/dist", "uplot": "uplot/dist"}
+LIBRARIES = {"preact": "preact/dist", "uplot": "uplot/dist"}
 
 
 def library_folder() -> Path:

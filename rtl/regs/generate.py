@@ -244,7 +244,7 @@ def to_js(card, adaptor, words) -> str:
         return f"  {json.dumps(entry)},"
 
     out = [f"// {SPDX}", "// The registers of the MMCS for the page.", f"// {ORIGIN}", ""]
-    out += ["// prettier-ignore", "export const REGISTERS = ["]
+    out += ["export const REGISTERS = ["]
     out += [row(reg, False) for reg in adaptor] + [row(reg, True) for reg in card] + ["];", ""]
     return "\n".join(out)
 

@@ -8,7 +8,8 @@ export const json = async (name) => (await fetch(`engine/${name}.json`)).json();
 export async function startMachine(setup, options, told) {
   const knowledge = await json("knowledge");
   const worker = new Worker("engine/worker.js", { type: "module" });
-  const carrier = { onText() {}, onBytes() {}, onClose() {}, close: () => worker.terminate() };
+  const carrier = { onText: (_) => {}, onBytes: (_) => {}, onClose: (_) => {}, send: (_) => {},
+    pulse: (_) => {}, close: () => worker.terminate() };
   carrier.send = (text) => worker.postMessage(text);
   const ticks = new Worker("socket.js"); // no socket: its ticks go on in a page that nobody looks at
   ticks.onmessage = () => carrier.send(JSON.stringify({ op: "alive" }));
@@ -23,8 +24,6 @@ export async function startMachine(setup, options, told) {
     told({ type: "failed", text: message || "the Worker does not start" });
   const { layouts, constants, version, waves } = knowledge;
   const module = `./machine${setup.cards}.mjs`;
-  worker.postMessage({
-    start: { setup, module, layouts, constants, version, waves, ...options },
-  });
+  worker.postMessage({ start: { setup, module, layouts, constants, version, waves, ...options } });
   return { worker, carrier };
 }

@@ -7,13 +7,20 @@ import { json } from "./carrier.js";
 export class PageLabs {
   #known = json("labs");
 
-  async request(op, { number } = {}) {
+  async request(op, { number } = { number: 0 }) {
     const { sheets, sheet } = await this.#known;
-    if (op === "sheets")
-      return { sheets: sheets.map(({ title, ...one }) => ({ ...one, title: `${title} (not graded here)` })) };
+    if (op === "sheets") {
+      return {
+        sheets: sheets.map(({ title, ...one }) => ({ ...one,
+          title: `${title} (not graded here)` })
+        ),
+      };
+    }
     const { check } = sheet[number];
     if (op === "sheet") return sheet[number];
-    throw new Error(`Checking needs Python: take the view Labs of \`mmcs tool\`, or save answer.toml and \`${check}\`.`);
+    throw new Error(
+      `Checking needs Python: take the view Labs of \`mmcs tool\`, or save answer.toml and \`${check}\`.`,
+    );
   }
 }
 

@@ -12,31 +12,21 @@ export function makeRecord(session, log, hash, version) {
   const data = structuredClone(setup.data);
   if (session.calls.length) data.call = [...(data.call ?? []), ...session.calls];
   if (session.events.length) data.event = [...(data.event ?? []), ...session.events];
-  return {
-    mmcs_run: 1,
-    version,
-    build: sim.build_id,
-    scenario: setup.name,
-    host: "native",
-    image: "",
-    seed: setup.seed,
-    hash,
-    cycles: sim.clock,
-    clk_hz: sim.clk_hz,
-    motion_start_s: session.start,
-    samples: log.reduce((sum, { rows }) => sum + rows, 0),
-    data,
-    files: setup.files,
-    checkpoints: sim.checkpoints(),
-  };
+  return { mmcs_run: 1, version, build: sim.build_id, scenario: setup.name, host: "native",
+    image: "", seed: setup.seed, hash, cycles: sim.clock, clk_hz: sim.clk_hz,
+    motion_start_s: session.start, samples: log.reduce((sum, { rows }) => sum + rows, 0), data,
+    files: setup.files, checkpoints: sim.checkpoints() };
 }
 
 const through = (parts, stream) => new Response(new Blob(parts).stream().pipeThrough(stream));
 
 /** A record's text as letters of an address. Rejects with one sentence. */
 export async function pack(text) {
-  const bytes = new Uint8Array(await through([text], new CompressionStream("deflate")).arrayBuffer());
-  if (bytes.length > LONGEST_BYTES) throw new Error("this is too long for an address; replay it with mmcs replay");
+  const bytes = new Uint8Array(
+    await through([text], new CompressionStream("deflate")).arrayBuffer(),
+  );
+  if (bytes.length > LONGEST_BYTES)
+    throw new Error("this is too long for an address; replay it with mmcs replay");
   const letters = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
   return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
 }
@@ -44,7 +34,8 @@ export async function pack(text) {
 /** And back. Rejects with one sentence. */
 export async function unpack(letters) {
   try {
-    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) =>
+      c.charCodeAt(0));
     return await through([bytes], new DecompressionStream("deflate")).text();
   } catch {
     throw new Error("address: its record is damaged");
@@ -71,8 +62,11 @@ export function setupOf(record, setup) {
   const names = new Set([...Object.keys(record.data), ...Object.keys(setup.data)]);
   for (const name of names) {
     if (OWN.includes(name)) continue;
-    if (JSON.stringify(sorted(record.data[name])) !== JSON.stringify(sorted(setup.data[name])))
-      throw new Error(`the record changes ${name}, which this page cannot; replay it with mmcs replay`);
+    if (JSON.stringify(sorted(record.data[name])) !== JSON.stringify(sorted(setup.data[name]))) {
+      throw new Error(
+        `the record changes ${name}, which this page cannot; replay it with mmcs replay`,
+      );
+    }
   }
   const { seed = 1, duration = setup.duration, event = [], call = [] } = record.data;
   const must = (good, name) => {
@@ -81,8 +75,12 @@ export function setupOf(record, setup) {
   const within = (t) => typeof t === "number" && t >= 0 && t <= LONGEST_S;
   must(Number.isInteger(seed) && seed >= 0, "seed");
   must(within(duration) && duration > 0, "duration");
-  must(Array.isArray(event) && event.every((e) => isTable(e) && within(e.at) && within(e.until ?? 0)), "events");
-  must(Array.isArray(call) && call.every((c) => isTable(c) && within(c.at) && isRequest(c, setup)), "calls");
+  must(
+    Array.isArray(event) && event.every((e) => isTable(e) && within(e.at) && within(e.until ?? 0)),
+    "events",
+  );
+  must(Array.isArray(call) && call.every((c) => isTable(c) && within(c.at) && isRequest(c, setup)),
+    "calls");
   const calls = call.map((c) => ({ axis: "all", value: 0, ...c })).sort((a, b) => a.at - b.at);
   const events = event.map((e) => ({ index: 0, at_power_on: false, ...e, until: e.until ?? -1 }));
   const changes = { seed, duration, events, calls };
@@ -91,10 +89,11 @@ export function setupOf(record, setup) {
 
 const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
+/** @param {any} call */
 function isRequest({ request, axis = "all", set = {} }, { machine }) {
   const axes = axis === "all" ? [] : [axis].flat();
   return typeof request === "string" && isTable(set)
-    && axes.every((n) => Number.isInteger(n) && n >= 0 && n < machine.servo.length);  // prettier-ignore
+    && axes.every((n) => Number.isInteger(n) && n >= 0 && n < machine.servo.length);
 }
 
 function sorted(value) {

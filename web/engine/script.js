@@ -8,7 +8,7 @@ const TEXT = 300; // bytes of a request's name
 export function asked({ at = 0, request, axis, value, set = {} }, axes, layouts, C) {
   const named = axis === "all" ? [...Array(axes).keys()] : [axis].flat();
   const bits = named.reduce((sum, n) => sum | (1 << n), 0) >>> 0;
-  const { mode, flags, ...numbers } = set;
+  const { mode, flags, ...numbers } = /** @type {any} */ (set);
   const word = (name) => layouts.mc_param.fields[name][0] / 4;
   const sets = Object.entries(numbers).map(([name, number]) => [word(name), -1, number]);
   if (mode !== undefined) sets.push([word("mode"), C.MD_MASK, C[C.MODES[mode]]]);
@@ -21,7 +21,12 @@ export class Script {
   /** m: the module; at: the script; sim: its machine; room: memory for arguments; put(at, structure,
    * fields) writes there; size(structure). */
   constructor(it) {
-    Object.assign(this, it);
+    this.m = it.m;
+    this.at = it.at;
+    this.sim = it.sim;
+    this.room = it.room;
+    this.put = it.put;
+    this.size = it.size;
   }
 
   /** What asked() gave, now; the driver's answer. */
@@ -34,12 +39,14 @@ export class Script {
 
   /** [result, what was refused]: 0, -errno, or the errno of a refusal that the scenario expects. */
   begin() {
-    return [this.m._mmcs_script_begin(this.at, this.sim, this.room, TEXT), this.m.UTF8ToString(this.room)];
+    return [this.m._mmcs_script_begin(this.at, this.sim, this.room, TEXT),
+      this.m.UTF8ToString(this.room)];
   }
 
   /** The same: 0, -errno, 1 when an assertion failed. */
   act(until) {
-    return [this.m._mmcs_script_act(this.at, this.sim, until, this.room, TEXT), this.m.UTF8ToString(this.room)];
+    return [this.m._mmcs_script_act(this.at, this.sim, until, this.room, TEXT),
+      this.m.UTF8ToString(this.room)];
   }
 
   get start() {

@@ -5,7 +5,7 @@
 import { MOST_MS } from "./past.js";
 
 const SPOILS = { load: "a register was read by hand", store: "a register was written by hand",
-  stop: "the machine was stopped by hand", rewind: "time was turned back" };  // prettier-ignore
+  stop: "the machine was stopped by hand", rewind: "time was turned back" };
 const WRITES = ["write", "setpoint"];
 const ROUNDED_S = 1e-6; // pages tell times in whole microseconds, rounded up or down
 
@@ -23,7 +23,13 @@ export class Server {
   /** say(message) carries a text (object) or samples (ArrayBuffer) to the page; past: of the machine;
    * groups: its nets that can be drawn (mmcs/view/watched.py). */
   constructor(sim, setup, session, C, say, past, groups) {
-    Object.assign(this, { sim, setup, session, C, say, past, groups });
+    this.sim = sim;
+    this.setup = setup;
+    this.session = session;
+    this.C = C;
+    this.say = say;
+    this.past = past;
+    this.groups = groups;
     this.protocol = C.PROTOCOL; // as Python's server has it: tools/website.py
     this.served = sim.serve();
     this.program = sim.enter(this.served, "device", setup.name);
@@ -32,6 +38,8 @@ export class Server {
     this.state({ speed: 1 });
     this.spoiled = ""; // why the record would not replay
     this.arrived = null; // told at the end of `advance`
+    this.restart = () => {}; // time goes on from here
+    this.endSession = () => {}; // the scenario's motion is over
   }
 
   /** Fields of mmcs_server; and values that some of them take. */
@@ -131,7 +139,7 @@ export class Server {
 
   /** What the page follows and has not seen. */
   stream(now) {
-    for (let next; (next = this.sim.stream(this.served, this.client, now)); ) this.say(next);
+    for (let next; (next = this.sim.stream(this.served, this.client, now));) this.say(next);
   }
 
   /** Waveforms of so many ms around a moment, as far as the past and the present go. */
@@ -139,9 +147,12 @@ export class Server {
     const { past, sim, groups } = this;
     const [begin, end] = [sim.known, sim.clock];
     const at = Math.min(Math.max(t * sim.clk_hz, begin), end);
-    if (!(ms > 0 && ms <= MOST_MS)) throw new Refused(E.EINVAL, `ms: a number above 0, up to ${MOST_MS}`);
-    if (!(Math.abs(t * sim.clk_hz - at) <= ROUNDED_S * sim.clk_hz))
-      throw new Refused(E.EINVAL, `t: a moment that is still known, ${begin / sim.clk_hz} to ${end / sim.clk_hz} s`);
+    if (!(ms > 0 && ms <= MOST_MS))
+      throw new Refused(E.EINVAL, `ms: a number above 0, up to ${MOST_MS}`);
+    if (!(Math.abs(t * sim.clk_hz - at) <= ROUNDED_S * sim.clk_hz)) {
+      throw new Refused(E.EINVAL,
+        `t: a moment that is still known, ${begin / sim.clk_hz} to ${end / sim.clk_hz} s`);
+    }
     const half = (ms / 2000) * sim.clk_hz;
     const names = groups.flatMap(({ signals }) => signals.map(({ net }) => net));
     const from = Math.max(begin, Math.round(at - half));
@@ -172,35 +183,25 @@ function named(word, C) {
 
 // What sim/service does not do: each takes the server and what sim/service gave, and returns, or
 // promises, what the reply says.
-const OPERATIONS = {
-  hello: (s) => s.hello(),
-  pace: (s, done) => (s.restart?.(), done),
-  rewind: (s, done) => (s.endSession?.(), OPERATIONS.pace(s, done)),
+const OPERATIONS = { hello: (s) => s.hello(), pace: (s, done) => (s.restart(), done),
+  rewind: (s, done) => (s.endSession(), OPERATIONS.pace(s, done)),
   advance: (s) =>
     new Promise((done) => {
       s.arrived = () => done({ t: s.sim.time });
-    }),
-  machine: (s) => s.setup.machine,
-};
+    }), machine: (s) => s.setup.machine };
 
 /** Of a page alone, with the arguments as they come. */
-const OF_PAGE = {
-  design: (s, asked) => {
-    const made = s.sim.design(asked);
-    if (made.error) throw new Refused(E.EINVAL, made.error);
-    return made;
-  },
-  waves: (s, { t, ms = 2 }) => s.waves(t, ms),
-  memory: (s) => ({ bytes: s.sim.memory }),
-};
+const OF_PAGE = { design: (s, asked) => {
+  const made = s.sim.design(asked);
+  if (made.error) throw new Refused(E.EINVAL, made.error);
+  return made;
+}, waves: (s, { t, ms = 2 }) => s.waves(t, ms), memory: (s) => ({ bytes: s.sim.memory }) };
 
 /** Of a person while the scenario's motion goes on: kept for its record. null: as at other times. */
-const BY_HAND = {
-  input: (s, { name, index, value }) => {
-    s.setInput(name, index, value);
-    return { t: s.sim.time };
-  },
-  change: (s, { axis, param }) => (axis < s.sim.axes ? { param: s.change(axis, param) } : null),
+const BY_HAND = { input: (s, { name, index, value }) => {
+  s.setInput(name, index, value);
+  return { t: s.sim.time };
+}, change: (s, { axis, param }) => (axis < s.sim.axes ? { param: s.change(axis, param) } : null),
   call: (s, { request, value, axis, param }) => {
     if (!s.C.CALLED.includes(request)) {
       if (!s.C.READS.includes(request)) s.spoil(`${request} by hand`);
@@ -208,13 +209,13 @@ const BY_HAND = {
     }
     if (request === "MSETPARAM") {
       if (axis >= s.sim.axes) return null;
-      s.change(axis, { ...Object.fromEntries(s.protocol.param.map((name) => [name, 0])), ...param });
+      s.change(axis, { ...Object.fromEntries(s.protocol.param.map((name) => [name, 0])),
+        ...param });
       return {};
     }
     const call = ["MSETENC", "MCALIB"].includes(request)
       ? { request, axis: value & 0xff, value: value >> 8 }
-      : value === undefined ? { request } : { request, value };  // prettier-ignore
+      : value === undefined ? { request } : { request, value };
     s.check(s.session.personCalls(call));
     return {};
-  },
-};
+  } };

@@ -31,8 +31,11 @@ export class Session {
     const [result, what] = this.script.begin();
     this.start = this.script.start;
     this.client = this.script.client;
-    if (result < 0)
-      throw new Error(`${what}: the driver refuses (errno ${-result}); the scenario does not expect that`);
+    if (result < 0) {
+      throw new Error(
+        `${what}: the driver refuses (errno ${-result}); the scenario does not expect that`,
+      );
+    }
     this.playing = result === 0;
     return this.playing;
   }
@@ -62,7 +65,7 @@ export class Session {
     const { axis, value, ...entry } = whole;
     const named = ["MCALIB", "MSETENC", "MSETPARAM"].includes(call.request);
     this.calls.push({ at: this.reached, ...entry, ...(named ? { axis } : {}),
-      ...("value" in call ? { value } : {}) });  // prettier-ignore
+      ...("value" in call ? { value } : {}) });
     return result;
   }
 

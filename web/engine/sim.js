@@ -9,19 +9,19 @@ const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt6
 const TEXT = 200;
 const ROOM = 1 << 17; // bytes for arguments and what comes back
 
-const text = (value) => String(value).replace(/[\0-\x1f]/g, "?"); // eslint-disable-line no-control-regex
+const plain = (value) => String(value).replace(/[\0-\x1f]/g, "?");
 
-function kind(value) {
+function letter(value) {
   if (Number.isInteger(value)) return "i";
   if (value === null || Array.isArray(value)) return value ? "l" : "n";
   return { boolean: "b", number: "d", string: "t", object: "o" }[typeof value];
 }
 
-function lines(values, path = "") {
+function asLines(values, path = "") {
   const line = ([key, value]) => {
-    const [at, is] = [`${path}${text(key)}\t`, kind(value)];
-    if (!"ol".includes(is)) return `${at}${is}${text(is === "b" ? Number(value) : value)}\n`;
-    return path ? `${at}x\n` : `${at}${is}\n${lines(value, at)}`;
+    const [at, is] = [`${path}${plain(key)}\t`, letter(value)];
+    if (!"ol".includes(is)) return `${at}${is}${plain(is === "b" ? Number(value) : value)}\n`;
+    return path ? `${at}x\n` : `${at}${is}\n${asLines(value, at)}`;
   };
   return Object.entries(values).map(line).join("");
 }
@@ -59,17 +59,21 @@ export class Sim {
     const size = (name) => this.layouts[name].size;
     const [ns, na] = [events?.length ?? 0, calls?.length ?? 0];
     const sets = (calls ?? []).flatMap((one) => one.sets.flat());
-    const at = m._malloc(size("mmcs_overrides") + ns * size("mmcs_timed_event") + na * size("mmcs_call")
-      + 4 * sets.length + this.#setup.length);  // prettier-ignore
+    const at = m._malloc(
+      size("mmcs_overrides") + ns * size("mmcs_timed_event") + na * size("mmcs_call")
+        + 4 * sets.length + this.#setup.length,
+    );
     const eventsAt = at + size("mmcs_overrides");
     const callsAt = eventsAt + ns * size("mmcs_timed_event");
     const setsAt = callsAt + na * size("mmcs_call");
     const data = setsAt + 4 * sets.length;
-    this.#put(at, "mmcs_overrides", { seed: seed ?? 0, duration: duration ?? 0, events: eventsAt, calls: callsAt,
-      sets: setsAt, what: given.reduce((sum, is, n) => sum | (is << n), 0), event_count: ns, call_count: na,
-      set_count: sets.length / 3, skip: skip ?? 0 });  // prettier-ignore
-    events?.forEach((event, n) => this.#put(eventsAt + n * size("mmcs_timed_event"), "mmcs_timed_event",
-      { ...event, input: this.inputs.indexOf(event.input), at_power_on: Number(event.at_power_on) }));  // prettier-ignore
+    this.#put(at, "mmcs_overrides", { seed: seed ?? 0, duration: duration ?? 0, events: eventsAt,
+      calls: callsAt, sets: setsAt, what: given.reduce((sum, is, n) => sum | (Number(is) << n), 0),
+      event_count: ns, call_count: na, set_count: sets.length / 3, skip: skip ?? 0 });
+    events?.forEach((event, n) =>
+      this.#put(eventsAt + n * size("mmcs_timed_event"), "mmcs_timed_event", { ...event,
+        input: this.inputs.indexOf(event.input), at_power_on: Number(event.at_power_on) })
+    );
     let set_at = 0;
     calls?.forEach(({ call }, n) => {
       this.#put(callsAt + n * size("mmcs_call"), "mmcs_call", { ...call, set_at });
@@ -106,7 +110,7 @@ export class Sim {
       if (!place) throw new Error(`${name} has no ${field}`);
       const [offset, kind, step] = place;
       [value].flat().forEach((one, n) =>
-        view[WRITERS[kind]](at + offset + n * step, kind === "q" ? BigInt(one) : one, true),
+        view[WRITERS[kind]](at + offset + n * step, kind === "q" ? BigInt(one) : one, true)
       );
     }
   }
@@ -129,8 +133,8 @@ export class Sim {
   /** What the set-up does with the machine: script.js. */
   newScript() {
     const m = this.#m;
-    return new Script({ m, at: this.#madeFrom(m._mmcs_script_create_from), sim: this.#at, room: this.#room,
-      put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });  // prettier-ignore
+    return new Script({ m, at: this.#madeFrom(m._mmcs_script_create_from), sim: this.#at,
+      room: this.#room, put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });
   }
 
   // --- the part of a server that sim/service does ---
@@ -157,7 +161,7 @@ export class Sim {
   request(server, client, now, said, only_check, held) {
     const [m, at] = [this.#m, this.#room];
     m.stringToUTF8(held, at, TEXT);
-    m.stringToUTF8(lines(said), at + TEXT, ROOM - 2 * TEXT);
+    m.stringToUTF8(asLines(said), at + TEXT, ROOM - 2 * TEXT);
     const reply = m._mmcs_server_request(server, client, now, at + TEXT, only_check, held ? at : 0);
     return JSON.parse(m.UTF8ToString(reply));
   }
@@ -231,7 +235,9 @@ export class Sim {
     const m = this.#m;
     const lines = (cols, at, rows) => m.UTF8ToString(m._mmcs_log_lines(cols, at, BigInt(rows)));
     const full = log.filter(({ rows }) => rows);
-    const texts = full.map(({ rows, cols, bytes }) => this.#lend(bytes, (at) => lines(cols, at, rows)));
+    const texts = full.map(({ rows, cols, bytes }) =>
+      this.#lend(bytes, (at) => lines(cols, at, rows))
+    );
     return [lines(log.at(-1).cols, 0, 0), ...texts].join("");
   }
   /** What mmcs_design_answer() gives, or {error}. */
@@ -295,7 +301,8 @@ export class Sim {
 
   watch(name) {
     this.#m.stringToUTF8(name, this.#room, 200);
-    if (this.#m._mmcs_sim_watch(this.#at, this.#room) < 0) throw new Error(`there is no net ${name}`);
+    if (this.#m._mmcs_sim_watch(this.#at, this.#room) < 0)
+      throw new Error(`there is no net ${name}`);
   }
   /** Since the first net was watched: {clock, net, value}. */
   changes() {

@@ -21,7 +21,7 @@ let session = null;
 let motion = null; // what is left of the scenario's own motion
 const log = []; // of the motion, piece by piece
 let clock = { wall: 0, simulated: 0 };
-let work = { ms: 0, s: 0 }; // spent on how much time of the machine
+const work = { ms: 0, s: 0 }; // spent on how much time of the machine
 let ended = null; // {hash, record}
 let version = "";
 
@@ -36,7 +36,11 @@ async function start({ setup, module, layouts, constants, waves, plays, paused, 
   const { default: load } = await import(module);
   const engine = await load();
   const { calls, ...changes } = setup.changes ?? {};
-  if (calls) changes.calls = calls.map((call) => asked(call, setup.machine.servo.length, layouts, constants));
+  if (calls) {
+    changes.calls = calls.map((call) =>
+      asked(call, setup.machine.servo.length, layouts, constants)
+    );
+  }
   const sim = new Sim(engine, layouts, setup, changes);
   const another = (skip) => new Sim(engine, layouts, setup, { ...changes, skip });
   session = new Session(sim, setup, constants);
@@ -100,8 +104,9 @@ function finish() {
 
 function tell() {
   const speed = work.ms ? (1000 * work.s) / work.ms : 0;
-  say({ type: "told", playing: Boolean(motion), reached: session.reached, duration: session.setup.duration, speed,
-    hash: ended?.hash ?? null, build: server.sim.build_id, recorded: Boolean(ended?.record), spoiled: server.spoiled });  // prettier-ignore
+  say({ type: "told", playing: Boolean(motion), reached: session.reached,
+    duration: session.setup.duration, speed, hash: ended?.hash ?? null, build: server.sim.build_id,
+    recorded: Boolean(ended?.record), spoiled: server.spoiled });
 }
 
 let toldAt = 0;
@@ -116,7 +121,7 @@ function turn() {
       server.state({ target: -1 });
       server.arrived();
     }
-  } else while (due() > 0 && performance.now() - began < TURN_MS) pass();
+  } else { while (due() > 0 && performance.now() - began < TURN_MS) pass(); }
   server.stream(t);
   if (began - toldAt > TOLD_MS) {
     toldAt = began;
@@ -139,8 +144,10 @@ onmessage = async ({ data }) => {
     if (typeof data === "string") await server?.hear(JSON.parse(data), now());
     else if (data.stopPort) hearStop(data.stopPort);
     else if (data.start) await start(data.start);
-    else if (data.record) say({ type: "record", record: ended?.record ?? null,
-      csv: log.length ? server.sim.csv(log) : "", wanted: data.record });  // prettier-ignore
+    else if (data.record) {
+      say({ type: "record", record: ended?.record ?? null,
+        csv: log.length ? server.sim.csv(log) : "", wanted: data.record });
+    }
   } catch (error) {
     say({ type: "failed", text: error.message ?? String(error) });
   }

@@ -4,18 +4,13 @@
 
 import { readFileSync } from "node:fs";
 
-import { duration, Net, tickStep } from "../wave_data.js";
 import { gainsOf } from "../params.js";
+import { duration, Net, tickStep } from "../wave_data.js";
 
-const FUNCTIONS = {
-  gainsOf,
-  duration,
-  tickStep,
-  net: (clocks, values, asked) => {
-    const net = new Net({ name: "", width: 32, form: "hex", names: {} }, { clocks, values });
-    return asked.map((clock) => [net.at(clock), net.next(clock, true), net.next(clock, false)]);
-  },
-};
+const FUNCTIONS = { gainsOf, duration, tickStep, net: (clocks, values, asked) => {
+  const net = new Net({ name: "", width: 32, form: "hex", names: {} }, { clocks, values });
+  return asked.map((clock) => [net.at(clock), net.next(clock, true), net.next(clock, false)]);
+} };
 
 const answer = ([name, ...given]) => {
   try {

@@ -17,8 +17,8 @@ import { causeOf, panicCauses } from "../status.js";
 import { findTrigger } from "../trigger.js";
 import { Units } from "../units.js";
 
-const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint", "demand",
-  "current"];  // prettier-ignore
+const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint",
+  "demand", "current"];
 
 /** A message of samples: rows of {t, lines, axes: [[10 values]]}, one card. */
 function message(rows, { lost = 0, axes = 2 } = {}) {
@@ -84,7 +84,9 @@ test("going back forgets what is later", () => {
 
 test("an envelope holds every extreme, and sampled values only", () => {
   const history = new History(FIELDS);
-  history.append(message(Array.from({ length: 5000 }, (_, n) => row(n / 1000, n === 3210 ? 999 : 0))));
+  history.append(
+    message(Array.from({ length: 5000 }, (_, n) => row(n / 1000, n === 3210 ? 999 : 0))),
+  );
   const [times, values] = envelope(history, history.column(0, "encnow"), 0, 5000, 50);
   assert.ok(values.length <= 100);
   assert.equal(times[values.indexOf(999)], 3.21);
@@ -92,7 +94,7 @@ test("an envelope holds every extreme, and sampled values only", () => {
 
 test("triggers fire at the first row of rise, fall, error and PANIC", () => {
   const rows = [0, 5, 10, 4, 3].map((count, n) =>
-    row(n, count, { errcode: n === 3 ? 4 : 0, lines: n >= 4 ? 1 : 0 }),
+    row(n, count, { errcode: n === 3 ? 4 : 0, lines: n >= 4 ? 1 : 0 })
   );
   const history = new History(FIELDS);
   history.append(message(rows));
@@ -117,8 +119,10 @@ test("a recording saved is the same when reopened; damage is told by its line", 
   await assert.rejects(open("x,y\n1,2", "b.csv"), /b.csv: not a recording/);
   await assert.rejects(open("", "b.csv"), /b.csv: not a recording/);
   await assert.rejects(open(text.replace("\n0.001", "\nzero"), "c.csv"), /line 3 is damaged/);
-  for (const cell of ["", "1e99", "0x10", "4e9", "3000000000", "1.5", " "])
-    await assert.rejects(open(text.replace(",289,", `,${cell},`), "d.csv"), /line 19 is damaged/, cell);
+  for (const cell of ["", "1e99", "0x10", "4e9", "3000000000", "1.5", " "]) {
+    await assert.rejects(open(text.replace(",289,", `,${cell},`), "d.csv"), /line 19 is damaged/,
+      cell);
+  }
 });
 
 test("what is saved stays as it was when saving began", () => {
@@ -133,36 +137,45 @@ test("what is saved stays as it was when saving began", () => {
 
 test("degrees and amperes of a motor, and back to the driver's units", () => {
   const units = new Units([{ counts_per_rev: 2000, gear: -60, amp_gain: 0.883 }]);
-  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["500", "counts"]);
+  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["500",
+    "counts"]);
   units.set(true);
-  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["-1.500", "°"]);
+  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["-1.500",
+    "°"]);
   assert.equal(units.show(0, "current", 1024), "4.415");
   assert.equal(units.show(0, "code", -2048), "-10.000");
 });
 
 test("why the power went is the first that explains it", () => {
   const at = (t, kind, value, text) => ({ t, kind, value, text });
-  const button = [at(1, "fault", 1, "estop 1"), at(1.001, "panic", 1, ""), at(1.002, "error", 0x08, "axis 0: hardware PANIC")];
+  const button = [at(1, "fault", 1, "estop 1"), at(1.001, "panic", 1, ""),
+    at(1.002, "error", 0x08, "axis 0: hardware PANIC")];
   assert.equal(causeOf(button, 1.002), "the hand-held button was pressed");
-  assert.equal(causeOf([at(1, "error", 2, "axis 2: high position limit crossed")], 1), "axis 2: high position limit crossed");
-  assert.equal(causeOf([at(1, "log", 0, "client 3 is silent: stopped")], 1), "client 3 is silent: stopped");
+  assert.equal(causeOf([at(1, "error", 2, "axis 2: high position limit crossed")], 1),
+    "axis 2: high position limit crossed");
+  assert.equal(causeOf([at(1, "log", 0, "client 3 is silent: stopped")], 1),
+    "client 3 is silent: stopped");
   assert.equal(causeOf([at(0.5, "error", 2, "long ago"), at(1, "stopped", 1, "")], 1), "STOP");
 });
 
 test("an axis without heartbeat is named by its own light: bit 6 of the even one, 7 of the odd one", () => {
   const lights = [0b01000000, 0b10000000]; // of two cards
-  const machine = { history: { lights: (card) => lights[card] }, hello: { axes: 4 }, input: () => undefined, inputs: [] };
+  const machine = { history: { lights: (card) => lights[card] }, hello: { axes: 4 },
+    input: () => undefined, inputs: [] };
   assert.deepEqual(panicCauses(machine), ["axis 1 has no heartbeat", "axis 2 has no heartbeat"]);
 });
 
 test("gains come back from integers: P, PD, PID, PD with a filter, and no other", () => {
   const close = (made, wanted) =>
-    Object.entries(wanted).forEach(([k, v]) => assert.ok(Math.abs(made[k] - v) < 1e-6, `${k} ${made[k]}`));
+    Object.entries(wanted).forEach(([k, v]) =>
+      assert.ok(Math.abs(made[k] - v) < 1e-6, `${k} ${made[k]}`)
+    );
   const T = 0.001;
   close(gainsOf({ a0: 7, a1: 0, a2: 0, b0: 1, b1: 0, b2: 0 }, T), { p: 7, i: 0, d: 0 });
   close(gainsOf({ a0: 104, a1: -100, a2: 0, b0: 1, b1: 0, b2: 0 }, T), { p: 4, i: 0, d: 0.1 });
   // P 4, I 1000 (IT 1), D 0.1 (D/T 100)
-  close(gainsOf({ a0: 105, a1: -204, a2: 100, b0: 1, b1: -1, b2: 0 }, T), { p: 4, i: 1000, d: 0.1 });
+  close(gainsOf({ a0: 105, a1: -204, a2: 100, b0: 1, b1: -1, b2: 0 }, T), { p: 4, i: 1000,
+    d: 0.1 });
   // P 4, D 0.1, tau 3 ms: pole 0.75, D/(tau+T) 25
   const filtered = { a0: 29_000, a1: -28_000, a2: 0, b0: 1000, b1: -750, b2: 0 };
   close(gainsOf(filtered, T), { p: 4, d: 0.1, tau: 0.003 });
@@ -176,12 +189,14 @@ test("numbers as people type them: a decimal comma is understood, or refused, ne
   assert.equal(parseNumber(" -12 "), -12);
   for (const text of ["1,234", "1.234,5", "1,234.5", "", "1e", "0x10", "twelve", "--1", "1e400"])
     assert.equal(parseNumber(text), null, text);
-  assert.throws(() => parseInteger("2.5", 0, 9, "ilim"), /ilim: "2.5" is not a whole number from 0 to 9/);
+  assert.throws(() => parseInteger("2.5", 0, 9, "ilim"),
+    /ilim: "2.5" is not a whole number from 0 to 9/);
 });
 
 test("labels and ranges of the setpoint follow the mode", () => {
   const param = { mode: 0, plo: -100, phi: 200, ilim: 928 };
-  assert.deepEqual(setpointScale("pos", param), { name: "Position", quantity: "position", low: -100, high: 200 });
+  assert.deepEqual(setpointScale("pos", param), { name: "Position", quantity: "position", low: -100,
+    high: 200 });
   assert.equal(setpointScale("vel", param).per, "sample");
   assert.equal(setpointScale("torq", param).high, 928);
   assert.equal(setpointScale("off", param), null);
@@ -201,26 +216,37 @@ test("numbers of an address are told when they are none, never taken as nothing"
   assert.equal(askedNumber(asked, "a", 0, 9, 1), 2.5);
   assert.equal(askedNumber(asked, "gone", 0, 9, 1), 1);
   assert.equal(askedNumber(asked, "e", 0, 1000, 1), 1000);
-  for (const name of ["b", "c", "d"])
-    assert.throws(() => askedNumber(asked, name, 0, 9, 1), new RegExp(`address: ${name}=".*" is not a number from 0 to 9`));
+  for (const name of ["b", "c", "d"]) {
+    assert.throws(() => askedNumber(asked, name, 0, 9, 1),
+      new RegExp(`address: ${name}=".*" is not a number from 0 to 9`));
+  }
 });
 
 test("a record that cannot be is one sentence", () => {
   const setup = { machine: { servo: [{}, {}] }, data: { cards: 1 }, duration: 2 };
-  const record = (data, more = {}) => ({ mmcs_run: 1, host: "native", scenario: "x", hash: "0x1", data, ...more });
-  const good = { cards: 1, seed: 7, duration: 1, call: [{ at: 0.1, request: "MSETPARAM", axis: [1], set: {} }],
-    event: [{ at: 0, input: "estop", value: 1 }] };  // prettier-ignore
+  const record = (data, more = {}) => ({ mmcs_run: 1, host: "native", scenario: "x", hash: "0x1",
+    data, ...more });
+  const good = { cards: 1, seed: 7, duration: 1,
+    call: [{ at: 0.1, request: "MSETPARAM", axis: [1], set: {} }],
+    event: [{ at: 0, input: "estop", value: 1 }] };
   assert.equal(setupOf(record(good), setup).changes.seed, 7);
   assert.equal(setupOf(record({ cards: 1 }), setup).duration, 2);
-  for (const text of ["", "{", "null", "[]", "7", '"x"', "{}", '{"mmcs_run":1}', '{"mmcs_run":1,"data":null,"scenario":"x"}',
-    '{"mmcs_run":1,"data":[],"scenario":"x","host":"native"}', '{"mmcs_run":2,"data":{},"scenario":"x"}'])
+  for (const text of ["", "{", "null", "[]", "7", '"x"', "{}", '{"mmcs_run":1}',
+    '{"mmcs_run":1,"data":null,"scenario":"x"}',
+    '{"mmcs_run":1,"data":[],"scenario":"x","host":"native"}',
+    '{"mmcs_run":2,"data":{},"scenario":"x"}'])
+  {
     assert.throws(() => readRecord(text), /this is no run.mmcs/, text);
-  for (const change of [{ seed: -1 }, { seed: "7" }, { seed: 1.5 }, { seed: null }, { duration: 0 }, { duration: "1" },
-    { duration: 1e9 }, { duration: null }, { call: {} }, { call: [null] }, { call: [{ at: 0, request: 7 }] },
-    { call: [{ at: -1, request: "MSTOP" }] }, { call: [{ at: 0, request: "MCALIB", axis: 9 }] },
-    { call: [{ at: 0, request: "MSETPARAM", axis: 0, set: 7 }] }, { event: "x" }, { event: [{ input: "estop" }] },
-    { event: [{ at: 0, until: "later" }] }])
-    assert.throws(() => setupOf(record({ ...good, ...change }), setup), /cannot be$/, JSON.stringify(change));
+  }
+  for (const change of [{ seed: -1 }, { seed: "7" }, { seed: 1.5 }, { seed: null }, { duration: 0 },
+    { duration: "1" }, { duration: 1e9 }, { duration: null }, { call: {} }, { call: [null] }, {
+    call: [{ at: 0, request: 7 }],
+  }, { call: [{ at: -1, request: "MSTOP" }] }, { call: [{ at: 0, request: "MCALIB", axis: 9 }] }, {
+    call: [{ at: 0, request: "MSETPARAM", axis: 0, set: 7 }],
+  }, { event: "x" }, { event: [{ input: "estop" }] }, { event: [{ at: 0, until: "later" }] }]) {
+    assert.throws(() => setupOf(record({ ...good, ...change }), setup), /cannot be$/,
+      JSON.stringify(change));
+  }
   assert.throws(() => setupOf(record({ ...good, cards: 5 }), setup), /the record changes cards/);
 });
 
@@ -246,18 +272,22 @@ test("what lost events had told is asked for: the servo, and who controls", asyn
 
 test("an answer as it is typed becomes an answer.toml", () => {
   const field = (key, ...members) => ({ key, members });
-  const fields = [field("far"), field("who"), field("names"), field("axes"), field("gains", "a0", "a1"), field("k", "a0")];
-  const typed = { far: " 1.5 ", who: "zoh", names: "zoh, matched", axes: "3,4", "gains.a0": "7", "gains.a1": "", "k.a0": " " };
+  const fields = [field("far"), field("who"), field("names"), field("axes"),
+    field("gains", "a0", "a1"), field("k", "a0")];
+  const typed = { far: " 1.5 ", who: "zoh", names: "zoh, matched", axes: "3,4", "gains.a0": "7",
+    "gains.a1": "", "k.a0": " " };
   assert.equal(tomlAnswer(fields, typed),
-    'far = 1.5\nwho = "zoh"\nnames = ["zoh", "matched"]\naxes = [3, 4]\ngains = { a0 = 7 }\n');  // prettier-ignore
+    'far = 1.5\nwho = "zoh"\nnames = ["zoh", "matched"]\naxes = [3, 4]\ngains = { a0 = 7 }\n');
   const asInAFile = { who: '"zoh"', names: '["a,b"]', axes: "[ 3 ]", far: "true" };
-  assert.equal(tomlAnswer(fields, asInAFile), 'far = true\nwho = "zoh"\nnames = ["a,b"]\naxes = [ 3 ]\n');
+  assert.equal(tomlAnswer(fields, asInAFile),
+    'far = true\nwho = "zoh"\nnames = ["a,b"]\naxes = [ 3 ]\n');
   assert.equal(tomlAnswer(fields, {}), "");
 });
 
 test("pictures rest after a long one, and come twice a second all the same", () => {
   for (const spent of [0, 1, 10, 60, 200, 4000, 60_000]) {
-    assert.ok(pause(spent) >= 80 && spent + pause(spent) <= Math.max(500, spent + 80), String(spent));
+    assert.ok(pause(spent) >= 80 && spent + pause(spent) <= Math.max(500, spent + 80),
+      String(spent));
     assert.ok(spent > 60 || pause(spent) >= 6 * spent, String(spent));
   }
 });

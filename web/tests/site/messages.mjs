@@ -5,7 +5,8 @@
 
 import { readFileSync } from "node:fs";
 
-import { constants, machine, makeRecord, more, Past, Server, Session, setup, version, waves } from "./engine.mjs";
+import { constants, machine, makeRecord, more, Past, Server, Session, setup, version,
+  waves } from "./engine.mjs";
 
 const sim = machine();
 const replies = [];

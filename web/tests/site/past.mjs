@@ -22,14 +22,19 @@ sim.opened(server, program, session.client);
 const ask = (by, op, args = {}) => sim.request(server, by, 0, { op, ...args }, 0, "");
 let kept = null;
 const deeds = [
-  () => ask(program, "write", { setpoints: Array.from({ length: sim.axes }, () => random(2000) - 1000) }),
+  () =>
+    ask(program, "write", {
+      setpoints: Array.from({ length: sim.axes }, () => random(2000) - 1000),
+    }),
   () => ask(program, "call", { request: "MSETENC", value: random(2) }),
   () => ask(program, "call", { request: "MENABLE" }),
   () => ask(program, "stop"),
   () => ask(program, "read"),
   () => ask(client, "load", { offset: random(0x20) }),
   () => ask(client, "store", { offset: random(0x10), value: random(256) }),
-  () => sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0, random(2)),
+  () =>
+    sim.addEvent(sim.time + random(3) / 1000, ["estop", "pot_noise", "bus_error"][random(3)], 0,
+      random(2)),
   () => ask(client, random(2) ? "open" : "close", { mode: "r" }),
   () => (kept = ask(client, "snapshot").snapshot ?? kept),
   () => kept && random(2) && ask(client, "rewind", { snapshot: kept.id }),
@@ -49,8 +54,11 @@ for (let n = 0; n < Number(more[0]); n++) {
   again.destroy();
   const to = sim.clock;
   const { from, nets } = past.waves(names, Math.max(sim.known, to - 8000), to);
-  if (from > to || nets.some(({ clocks }) => !clocks.length || clocks[0] > from || clocks.at(-1) > to))
+  if (from > to
+    || nets.some(({ clocks }) => !clocks.length || clocks[0] > from || clocks.at(-1) > to))
+  {
     throw new Error(`step ${n}: a net has no value at the begin, or one beyond the end`);
+  }
   drawn += nets.reduce((sum, { clocks }) => sum + clocks.length - 1, 0);
 }
 console.log(JSON.stringify({ same, drawn, bytes: sim.memory }));

@@ -2,7 +2,7 @@
 // A scenario on the WebAssembly machine in node, whose engine is Chromium's: hash, and processor time
 // of a run, once the machine is loaded and compiled. Usage: node ratio.mjs SITE SCENARIO
 
-import { machine, Session, setup, constants } from "./engine.mjs";
+import { constants, machine, Session, setup } from "./engine.mjs";
 
 /** The compiler works beside the first runs, in threads of its own: only the last counts. */
 function once() {
