@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the scope saves and opens: CSV by a Worker, MCAP by the designer of the same text.
+// What the scope saves, CSV by a Worker, MCAP by the designer of the same text; and opens: CSV.
 
 import { button, download, el } from "./dom.js";
 import { csvHead, Recording } from "./recording.js";
@@ -53,25 +53,17 @@ export function recordings(scope) {
     download(name("mcap"), new Blob(parts), "application/octet-stream");
   }
 
-  /** The CSV that a file is, or that the designer makes of an MCAP file. */
-  async function csvOf(file) {
-    if (!file.name.endsWith(".mcap")) return file;
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    const base64 = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
-    return new Blob([(await advice.request("csv", { base64 })).csv]);
-  }
-
   async function open(files) {
     for (const file of files) {
       try {
-        scope.overlay(await Recording.of(await csvOf(file), file.name));
+        scope.overlay(await Recording.of(file, file.name));
       } catch (error) {
         machine.say("error", error.message);
       }
     }
   }
 
-  const input = el("input", { type: "file", accept: ".csv,.mcap", multiple: true, hidden: true,
+  const input = el("input", { type: "file", accept: ".csv", multiple: true, hidden: true,
     onchange: () => open(input.files) });
   return [button("scope-save", "Save CSV", () => machine.try(saveCsv())),
     button("scope-mcap", "Save MCAP", () => machine.try(saveMcap())),

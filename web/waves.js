@@ -54,14 +54,11 @@ class WavesView {
     this.canvas.setAttribute("aria-label", `waveforms; ${HELP}`);
     this.sheet = el("div", { className: "sheet" }, this.canvas);
     this.screen = new WaveScreen(this.canvas);
-    const served = !this.page.machine.hello.waves;
-    const trace = sign("waves-trace", "As a file for gtkwave", () => this.trace(),
-      "by the trace build, which is made if need be");
     this.element = el("div", { className: "waves" },
       el("div", { className: "row" }, labelled("Around", this.t, "s"),
         labelled("for", this.ms, "ms"), button("waves-draw", "Draw", () => this.draws()),
         button("waves-scope", "At the scope's A", () => this.fromScope()),
-        button("waves-now", "Now", () => this.ask(this.#now)), served ? trace : "", this.said),
+        button("waves-now", "Now", () => this.ask(this.#now)), this.said),
       el("div", { className: "row" }, sign("waves-back", "◀", () => this.pan(-0.3), "earlier"),
         sign("waves-on", "▶", () => this.pan(0.3), "later"),
         sign("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
@@ -127,14 +124,6 @@ class WavesView {
     const made = await this.#request("waves", wanted);
     setText(this.said, "");
     if (made) this.show(new Waves(made), wanted.t);
-  }
-
-  async trace() {
-    const wanted = this.#wanted();
-    if (!wanted) return;
-    setText(this.said, "tracing; the first time a machine is built for it");
-    const made = await this.#request("trace", wanted);
-    setText(this.said, made ? (made.opened ? "opened" : `gtkwave ${made.file} ${made.view}`) : "");
   }
 
   show(waves, t) {

@@ -24,7 +24,7 @@ from mmcs.mcdef import M_VERBOSE
 from mmcs.scenario.identify import Motor
 from mmcs.tests.conftest import one_clear_line
 from mmcs.tests.device_bench import write_scenario
-from mmcs.tool import gateway, judge, launch, moment, pages
+from mmcs.tool import gateway, judge, launch, pages
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button
@@ -67,18 +67,10 @@ def test_a_mistake_of_ours_is_told_and_the_designer_goes_on(monkeypatch):
     def broken(self, message):
         raise RuntimeError("unknown file format")
 
-    monkeypatch.setattr(Advisor, "do_trace", broken)
-    first, second = advise({"id": 1, "op": "trace"}, {"id": 2, "op": "dance"})
-    assert first == {"id": 1, "error": "trace: RuntimeError: unknown file format"}
+    monkeypatch.setattr(Advisor, "do_waves", broken)
+    first, second = advise({"id": 1, "op": "waves"}, {"id": 2, "op": "dance"})
+    assert first == {"id": 1, "error": "waves: RuntimeError: unknown file format"}
     assert second["id"] == 2
-
-
-@pytest.mark.req("TOOL-1")
-def test_no_file_is_made_of_a_moment_before_which_nothing_is_known(monkeypatch):
-    """Gone back to the first snapshot, and nothing after it has happened yet."""
-    monkeypatch.setattr(moment, "find", lambda *_: moment.Moment(None, b"", b"", 0.3, 0.3))
-    *_, reply = advise({"id": 1, "op": "trace", "t": 0.3, "ms": 2})
-    assert "nothing has happened yet around 0.300000 s" in reply["error"]
 
 
 ORIGIN = "http://127.0.0.1:1"
@@ -132,24 +124,6 @@ def test_a_recording_becomes_mcap_that_readers_read():
     found = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in reader.iter_messages()]
     assert ("/axis/1", 2_000_000, {"encnow": 8, "error": -2}) in found
     assert len(found) == 6
-    (back,) = advise({"id": 3, "op": "csv", "base64": base64.b64encode(whole).decode()})
-    assert back["csv"] == text
-
-
-@pytest.mark.req("TOOL-1")
-def test_what_is_no_mcap_of_ours_is_told():
-    from mcap.writer import Writer
-
-    strange = io.BytesIO()
-    writer = Writer(strange)
-    writer.start()
-    schema = writer.register_schema(name="x", encoding="jsonschema", data=b"{}")
-    channel = writer.register_channel(topic="/else", message_encoding="json", schema_id=schema)
-    writer.add_message(channel, log_time=1, publish_time=1, data=b'{"a": 1}')
-    writer.finish()
-    for data in (b"", b"t_s,lines\n", strange.getvalue(), strange.getvalue()[:60]):
-        (made,) = advise({"id": 1, "op": "csv", "base64": base64.b64encode(data).decode()})
-        assert "MCAP" in made["error"]
 
 
 @pytest.mark.req("TOOL-1")

@@ -7,13 +7,11 @@ Lines as mmcs/tool/worker.py has them; {"type": "progress"} tells how an experim
   predict  motor {g, lag, …}, param, interval_s, step (counts), away: the step with limit and
            friction, and the closed loop's Bode plot
   mcap     csv: whole lines (web/recording.js); first, last: of a file. What of it they made, base64
-  csv      base64 of such an MCAP file: csv
   tune     axis, wn (rad/s), zeta, half (counts to each side that are safe), lender (client)
   judge    t (s), y, u of a step of `size` counts, wn, zeta, param, interval_s, motor: its figures,
            and with a motor whether they are as asked
   chirp    axis, amplitude, low, high (Hz), seconds, lender
   waves    t (s), ms: what nets do around that moment, as web/waves.js draws it
-  trace    t, ms: the same as a file: file, view, opened (in gtkwave)
   alive    the page is there; without one for deadman_ms (250) an experiment is broken off
 """
 
@@ -103,21 +101,10 @@ class Advisor(Worker):
         writer, self.mcap = self.mcap, None if last else self.mcap
         return {"base64": base64.b64encode(writer.add(text, last)).decode()}
 
-    def do_csv(self, message: dict) -> dict:
-        from mmcs.view.mcap_file import to_csv
-
-        return {"csv": to_csv(base64.b64decode(message["base64"], validate=True))}
-
     def do_waves(self, message: dict) -> dict:
         from mmcs.tool.moment import waves
 
         return waves(self.socket, float(message["t"]), float(message.get("ms", 2.0)))
-
-    def do_trace(self, message: dict) -> dict:
-        from mmcs.tool.moment import trace
-
-        self.say({"type": "progress", "text": "tracing; the first time builds a machine for it"})
-        return trace(self.socket, float(message["t"]), float(message.get("ms", 2.0)))
 
     # --- experiments ---
 

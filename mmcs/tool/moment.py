@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mmcs.device.link import Link
-from mmcs.place import BUILD
 from mmcs.scenario.setup import Setup
 
 MOST_MS = 20.0
@@ -67,28 +66,3 @@ def waves(socket: Path, t: float, ms: float) -> dict:
         begin, end = max(begun, round(moment.from_s * hz)), round(moment.to_s * hz)
         found = changes(sim.changes(), begin, end)
     return {"clk_hz": hz, "from": begin, "to": end, "groups": groups(), "nets": found}
-
-
-def trace(socket: Path, t: float, ms: float) -> dict:
-    """A trace and its view; opened in gtkwave where there is a display."""
-    from mmcs.runs.machine import machine
-    from mmcs.view.moments import LEAST_MS
-    from mmcs.view.waves import check_packages, start_viewer, write_views
-
-    check_packages()
-    moment = find(socket, t, ms)
-    if 1000 * (moment.to_s - moment.from_s) < LEAST_MS:
-        raise ValueError(
-            f"waveforms: nothing has happened yet around {t:.6f} s that a file could show; "
-            "let the machine go on, or take more ms"
-        )
-    folder = BUILD / "tool"
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{moment.setup.name}_{t:.6f}.fst"
-    with machine(moment.setup, "trace") as sim:
-        sim.restore_bytes(moment.snapshot, moment.past)
-        sim.run(moment.from_s)
-        sim.trace(path)
-        sim.run(moment.to_s)
-    view, _ = write_views(path)
-    return {"file": str(path), "view": str(view), "opened": start_viewer(path)}

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A recording as MCAP, for Foxglove, PlotJuggler and others, and back: JSON, a message an axis."""
+"""A recording as MCAP, for Foxglove, PlotJuggler and others: JSON, a message an axis."""
 
 import csv
 import io
 import json
-import re
 
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from mmcs import logcols
@@ -92,34 +89,6 @@ def from_run(run: Run) -> bytes:
     for row in run.log:
         writer.add([float(value) for value in row])
     return writer.take(last=True)
-
-
-def to_csv(data: bytes) -> str:
-    """The CSV of web/recording.js from such a file. Raises ValueError for any other."""
-    rows: dict[int, dict[str, dict[str, int]]] = {}
-    try:
-        for _, channel, message in make_reader(io.BytesIO(data)).iter_messages():
-            rows.setdefault(message.log_time, {})[channel.topic] = json.loads(message.data)
-    except (McapError, ValueError, EOFError) as error:
-        raise ValueError(f"not an MCAP file of ours, or damaged: {error}") from None
-    topics = next(iter(rows.values()), {}).keys() - {"/lines"}
-    if not topics or not all(re.fullmatch(r"/axis/\d{1,2}", topic) for topic in topics):
-        raise ValueError("not an MCAP file of ours: its topics are not /lines and /axis/N")
-    axes = sorted(topics, key=_axis)
-    if any(row.keys() != {"/lines", *axes} for row in rows.values()):
-        raise ValueError("a damaged MCAP file: at some sample an axis is missing")
-    out = io.StringIO()
-    table = csv.writer(out, lineterminator="\n")
-    first = rows[min(rows)]
-    table.writerow([*FIXED, *(f"{field}_{_axis(t)}" for t in axes for field in first[t])])
-    for ns, row in sorted(rows.items()):
-        values = [value for topic in axes for value in row[topic].values()]
-        table.writerow([f"{ns / 1e9:.9f}", row["/lines"]["lines"], *values])
-    return out.getvalue()
-
-
-def _axis(topic: str) -> int:
-    return int(topic.rpartition("/")[2])
 
 
 def _channel(writer: Writer, topic: str, fields: list[tuple[str, int]], kind: str) -> int:

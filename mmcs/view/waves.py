@@ -217,8 +217,8 @@ def _surfer(seen: Pass | None) -> str:
     return "\n".join(lines) + "\n"
 
 
-def start_viewer(trace: Path) -> bool:
-    """Opens GTKWave or Surfer when there is one and a display."""
+def open_viewer(trace: Path) -> None:
+    """Opens GTKWave or Surfer when there is one and a display, or says what to type."""
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     commands = {"gtkwave": [str(trace), str(gtkw)], "surfer": ["-c", str(sucl), str(trace)]}
     found = next((name for name in commands if shutil.which(name)), None)
@@ -227,14 +227,6 @@ def start_viewer(trace: Path) -> bool:
         subprocess.Popen(
             [found, *commands[found]], stdout=quiet, stderr=quiet, start_new_session=True
         )
-        return True
-    return False
-
-
-def open_viewer(trace: Path) -> None:
-    """The same, or says what to type."""
-    gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
-    if start_viewer(trace):
         return
     echo(f"to look at it: gtkwave {trace} {gtkw}")
     echo(f"           or: surfer -c {sucl} {trace}   (untried)")

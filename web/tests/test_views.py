@@ -7,8 +7,6 @@ import pytest
 from bench import enable, note, saved
 from test_page import choose, enter
 
-from mmcs import ensure_library
-
 pytestmark = pytest.mark.req("TOOL-1")
 STREAM_S = 60.0
 # By the machine's own numbers of its samples, whatever the stream says of itself.
@@ -77,8 +75,6 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     desk.until("() => document.querySelector('.channels').textContent.includes('saved.csv')")
     path = saved(page, "#scope-mcap", tmp_path).rename(tmp_path / "saved.mcap")
     assert path.read_bytes()[:5] == b"\x89MCAP"
-    page.set_input_files("input[type=file]", path)
-    desk.until("() => document.querySelector('.channels').textContent.includes('saved.mcap')")
 
 
 def test_fingers_carry_and_stretch_the_scope(desk):
@@ -176,7 +172,6 @@ def test_registers_are_read_by_name_and_written_with_control(desk):
 
 def test_back_to_a_moment_and_on_from_there(desk):
     page = desk.page
-    ensure_library(3, "trace")  # the page would wait for it, too, but not the test
     page.evaluate("() => mctool.machine.link.request('ring', { every_s: 0.1, count: 40 })")
     desk.eventually(lambda: desk.state()["time"] > 5)
     before = page.evaluate(CHOOSE, 0.6)
@@ -204,12 +199,6 @@ def test_back_to_a_moment_and_on_from_there(desk):
     page.click("#waves")
     desk.until("() => document.querySelector('.waves').dataset.from")
     assert float(page.input_value("#waves-t")) == pytest.approx(back, abs=1e-6)
-    page.fill("#waves-ms", "3")
-    page.click("#waves-trace")
-    desk.until("() => document.getElementById('waves-said').textContent.includes('.fst')")
-    said = page.inner_text("#waves-said").split()
-    assert f"{back:.6f}" in said[-2] and Path(said[-2]).stat().st_size > 10_000
-    assert Path(said[-1]).suffix == ".gtkw"
     page.evaluate("() => mctool.page.look(null)")
     page.click("#step")
     desk.eventually(lambda: desk.state()["time"] > back)
