@@ -70,10 +70,6 @@ static inline double motion_position(const struct motion *m, int axis, int count
   return (count - m->zero[axis]) / m->axis[axis].counts;
 }
 
-static inline double motion_current(const struct motion *m, int axis, int units) {
-  return units / m->axis[axis].per_ampere;
-}
-
 /* Of the next sample, with feedforward: velocity, acceleration and `current` ask for a drive u; the
  * compensator b0 u + b1 u' = a0 e + a1 e' gives it for a setpoint that is e ahead. */
 static inline int motion_setpoint(struct motion *m, int axis, const struct motion_point *p) {
@@ -161,17 +157,6 @@ static inline int motion_close(struct motion *m) {
   return close(m->fd) < 0 ? -1 : result;
 }
 
-/* One joint goes to a position at once; the others keep their setpoints. */
-static inline int motion_set(struct motion *m, int axis, double position) {
-  struct mmcs_setpoint one = {axis, 0};
-  if (axis < 0 || axis >= m->axes || !isfinite(position)) return motion_refuse(EINVAL);
-  m->rest.position[axis] = position;
-  m->rest.velocity[axis] = m->rest.acceleration[axis] = m->rest.current[axis] = 0;
-  m->drive[axis] = m->ahead[axis] = 0;
-  one.value = motion_setpoint(m, axis, &m->rest);
-  return ioctl(m->fd, MSETPOINT, &one);
-}
-
 /* --- the buffer ------------------------------------------------------------------------ */
 
 /* The time that the next setpoints are for. */
@@ -248,81 +233,27 @@ static inline int motion_step(struct motion *m) {
   return goes_on;
 }
 
-/* Steps until the motion has ended. */
-static inline int motion_run(struct motion *m) {
-  int result;
-  do result = motion_step(m);
-  while (result > 0);
-  return result;
-}
+/* --- a profile ----------------------------------------------------------------------------- */
 
-/* --- profiles: all joints begin and end together, each within `share` of its limits --------- */
-
-/* A knot on the straight way: so much of it, at this speed and acceleration of the whole. */
-struct motion_part {
-  double time, way, speed, rise;
-};
-
-/* Where and when the buffer ends, and the most that the common way from there, 0 to 1, may do: 1/s,
- * 1/s^2. */
-static inline double motion_begin(struct motion *m, const double *to, double share,
-                                  struct motion_point *from, double *speed, double *rise) {
-  const struct motion_knot *last = m->used > 0 ? motion_knot(m, m->used - 1) : NULL;
-  *from = last != NULL ? last->at : m->rest;
-  double whole = 0;
-  *speed = *rise = INFINITY;
-  for (int i = 0; i < m->axes; i++) {
-    double way = fabs(to[i] - from->position[i]);
-    *speed = fmin(*speed, share * m->axis[i].speed / way);
-    *rise = fmin(*rise, share * m->axis[i].acceleration / way);
-    whole += way;
-  }
-  if (isnan(whole)) *speed = *rise = 0; /* no knot will be taken */
-  return last != NULL ? last->time : motion_time(m);
-}
-
-/* Puts n knots, or none if there is no room yet. */
-static inline int motion_put_parts(struct motion *m, const struct motion_point *from,
-                                   const double *to, const struct motion_part *part, unsigned n) {
-  if (MOTION_KNOTS - m->used < n) return motion_refuse(EAGAIN);
-  for (; n > 0; n--, part++) {
-    struct motion_point point = *from;
-    for (int i = 0; i < m->axes; i++) {
-      double whole = to[i] - from->position[i];
-      point.position[i] = from->position[i] + whole * part->way;
-      point.velocity[i] = whole * part->speed;
-      point.acceleration[i] = whole * part->rise;
-    }
-    if (motion_put(m, part->time, &point) < 0) return -1;
-  }
-  return 0;
-}
-
-/* Constant acceleration, constant speed, constant deceleration; behind what is in the buffer. */
-static inline int motion_trapezoid(struct motion *m, const double *to, double share) {
-  struct motion_point from;
-  double speed, a, t = motion_begin(m, to, share, &from, &speed, &a);
-  if (isinf(speed)) return 0; /* there already */
-  double v = fmin(speed, sqrt(a)), ramp = v / a, flat = fmax(1 / v - ramp, 0), half = v * ramp / 2;
-  double fast = t + ramp, slows = t + ramp + flat, end = t + (2 * ramp + flat);
-  const struct motion_part parts[] = {{t, 0, 0, a},
-                                      {fast, half, v, a},
-                                      {fast, half, v, 0},
-                                      {slows, 1 - half, v, 0},
-                                      {slows, 1 - half, v, -a},
-                                      {end, 1, 0, -a},
-                                      {end, 1, 0, 0}};
-  return motion_put_parts(m, &from, to, parts, 7);
-}
-
-/* One polynomial of fifth order from rest to rest. */
+/* From rest to rest on one polynomial of fifth order, behind what is in the buffer: all joints
+ * begin and end together, each within `share` of its limits. */
 static inline int motion_quintic(struct motion *m, const double *to, double share) {
-  struct motion_point from;
-  double speed, a, t = motion_begin(m, to, share, &from, &speed, &a);
-  if (isinf(speed)) return 0;
-  double end = t + fmax(1.875 / speed, sqrt(5.773502691896258 / a)); /* 15/8; 10/sqrt(3) */
-  const struct motion_part parts[] = {{t, 0, 0, 0}, {end, 1, 0, 0}};
-  return motion_put_parts(m, &from, to, parts, 2);
+  const struct motion_knot *last = m->used > 0 ? motion_knot(m, m->used - 1) : NULL;
+  struct motion_point point = last != NULL ? last->at : m->rest;
+  double begin = last != NULL ? last->time : motion_time(m), speed = INFINITY, rise = INFINITY;
+  for (int i = 0; i < m->axes; i++) {
+    double way = fabs(to[i] - point.position[i]);
+    if (!isfinite(way) || !(share > 0)) return motion_refuse(EINVAL);
+    speed = fmin(speed, share * m->axis[i].speed / way);
+    rise = fmin(rise, share * m->axis[i].acceleration / way);
+    point.velocity[i] = point.acceleration[i] = 0;
+  }
+  if (isinf(speed)) return 0; /* there already */
+  if (MOTION_KNOTS - m->used < 2) return motion_refuse(EAGAIN);
+  if (motion_put(m, begin, &point) < 0) return -1;
+  memcpy(point.position, to, sizeof to[0] * (size_t)m->axes);
+  double takes = fmax(1.875 / speed, sqrt(5.773502691896258 / rise)); /* 15/8; 10/sqrt(3) */
+  return motion_put(m, begin + takes, &point);
 }
 
 /* --- where the joints are ---------------------------------------------------------------- */
@@ -375,7 +306,7 @@ static inline int motion_home(struct motion *m, double share) {
     waits[i] = 1;
     if (ioctl(m->fd, MCALIB, &i) < 0) return -1;
   }
-  if (motion_trapezoid(m, to, share) < 0) return -1;
+  if (motion_quintic(m, to, share) < 0) return -1;
   while (goes_on > 0 && left >= 0) {
     goes_on = motion_step(m);
     if (goes_on >= 0) left = motion_index(m, before, waits, zero);

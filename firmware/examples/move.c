@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * All joints of a robot at once, with the motion library. Where are they? Potentiometers know the
- * turn of the motor, indexes the place in it. Then there with constant acceleration, back on a
- * polynomial of fifth order; and how far they were off.
+ * turn of the motor, indexes the place in it. Then there and back on polynomials of fifth order;
+ * and how far they were off.
  *
  *	mmcs exec --robot puma560 > robot.h
  *	cc $(mmcs exec --cflags --modern) move.c -o move -lm
@@ -42,10 +42,10 @@ int main(void) {
     back[i] = m.rest.position[i];
     to[i] = back[i] + 1.0 / (2 + i); /* rad */
   }
-  motion_check(motion_trapezoid(&m, to, 0.2), "trapezoid");
-  play("trapezoid");
-  motion_check(motion_quintic(&m, back, 0.2), "quintic");
-  play("quintic");
+  motion_check(motion_quintic(&m, to, 0.2), "there");
+  play("there");
+  motion_check(motion_quintic(&m, back, 0.2), "back");
+  play("back");
   motion_check(motion_close(&m), "close");
   return 0;
 }

@@ -7,7 +7,7 @@ from mmcs import logcols
 from mmcs.runs import expect_plant as plant
 from mmcs.runs.expect_plant import band_text as _band
 from mmcs.runs.expect_plant import verdict as _verdict
-from mmcs.scenario.scenario import AxisExpect, EventExpect, HashExpect, StatsExpect
+from mmcs.scenario.scenario import AxisExpect, EventExpect, StatsExpect
 
 PLANT = {
     "signal": plant.signal,
@@ -38,11 +38,6 @@ def judge(result, axes: list[dict]) -> list[dict]:
             verdicts.append(_event(entry, result))
         elif entry.kind in PLANT:
             verdicts += PLANT[entry.kind](entry, result)
-        elif isinstance(entry, HashExpect):
-            what = f"hash {entry.hash}" + (
-                "" if entry.hash == result.hash else f", is {result.hash}"
-            )
-            verdicts.append({"what": what, "ok": entry.hash == result.hash})
     unexpected = [name for name, _ in result.refused]
     for entry in result.setup.scenario.expect:
         if entry.kind == "refused" and entry.request in unexpected:

@@ -8,7 +8,7 @@ from pydantic import Field
 from mmcs import mcdef
 from mmcs.files import LONGEST_S
 from mmcs.scenario.robot import MotorValues
-from mmcs.scenario.schema import Axes, Count, Hash, Limit, NumberOrList, Pair, Strict
+from mmcs.scenario.schema import Axes, Count, Limit, NumberOrList, Pair, Strict
 
 INT_MIN, INT_MAX = -(2**31), 2**31 - 1
 Int32 = Annotated[int, Field(ge=INT_MIN, le=INT_MAX)]
@@ -259,13 +259,6 @@ class RefusedExpect(Strict):
     error: str = Field(min_length=1, description="the name of the error, like EINVAL")
 
 
-class HashExpect(Strict):
-    """The run must be exactly this one."""
-
-    kind: Literal["hash"]
-    hash: Hash = Field(description="0x and 16 hexadecimal digits")
-
-
 Expect = Annotated[
     AxisExpect
     | StatsExpect
@@ -274,8 +267,7 @@ Expect = Annotated[
     | SignalExpect
     | PhysicsExpect
     | CalibrationExpect
-    | RefusedExpect
-    | HashExpect,
+    | RefusedExpect,
     Field(discriminator="kind"),
 ]
 

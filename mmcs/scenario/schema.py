@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strict models, field types that say what they allow, and the one-line form of a mistake."""
 
-import re
 import typing
 from typing import Annotated, Any, Literal
 
@@ -79,13 +78,6 @@ def _count(value: Any) -> Any:
     raise refuse("must be a whole number from 0, or a pair [low, high]")
 
 
-def _hash(value: Any) -> Any:
-    if isinstance(value, str) and re.fullmatch(r"0x[0-9a-f]{16}", value):
-        return value
-    raise refuse("must be 0x and 16 hexadecimal digits")
-
-
-Hash = Annotated[str, BeforeValidator(_hash)]
 NumberOrList = Annotated[float | list[float], BeforeValidator(_number_or_list)]
 Axes = Annotated[Literal["all"] | list[int], BeforeValidator(_axes)]
 # Of all axes named, or a list with one for each.

@@ -39,7 +39,6 @@ int put(double time, double position, double velocity) {
   p.velocity[0] = velocity;
   return motion_put(&m, time, &p) < 0 ? errno : 0;
 }
-int trapezoid(const double *to, double share) { return motion_trapezoid(&m, to, share); }
 int quintic(const double *to, double share) { return motion_quintic(&m, to, share); }
 int at(double time, double (*seen)[ROBOT_AXES]) {
   struct motion_point p;
@@ -50,14 +49,6 @@ int at(double time, double (*seen)[ROBOT_AXES]) {
     seen[2][i] = p.acceleration[i];
   }
   return goes_on;
-}
-int set(int axis, double to) { return motion_set(&m, axis, to); }
-int push(double amperes) {
-  struct motion_point p = {.current = {amperes}};
-  return motion_setpoint(&m, 0, &p);
-}
-int zero(int axis, int adc, int encoder, int index) {
-  return motion_zero(&robot[axis], adc, encoder, index);
 }
 """
 
@@ -96,10 +87,7 @@ def built():
                                        [written("probe.c", PROBE)], ["-lm"])))  # fmt: skip
     library.at.argtypes = [ctypes.c_double, ctypes.c_void_p]
     library.put.argtypes = [ctypes.c_double] * 3
-    library.set.argtypes = [ctypes.c_int, ctypes.c_double]
-    library.push.argtypes = [ctypes.c_double]
-    for name in ("trapezoid", "quintic"):
-        getattr(library, name).argtypes = [ctypes.c_void_p, ctypes.c_double]
+    library.quintic.argtypes = [ctypes.c_void_p, ctypes.c_double]
     return library
 
 
@@ -118,10 +106,9 @@ def samples(library, step=1e-3):
     return np.array(rows)
 
 
-@pytest.mark.parametrize("profile", ["trapezoid", "quintic"])
-def test_a_profile_keeps_its_limits_and_all_joints_end_together(library, profile):
+def test_the_profile_keeps_its_limits_and_all_joints_end_together(library):
     """At every sample, within the share; no joint moves before or after the others."""
-    assert getattr(library, profile)((ctypes.c_double * 6)(*TO), 0.5) == 0
+    assert library.quintic((ctypes.c_double * 6)(*TO), 0.5) == 0
     rows = samples(library)
     used = []
     for order, limit in ((1, "speed"), (2, "acceleration")):
@@ -136,15 +123,14 @@ def test_a_profile_keeps_its_limits_and_all_joints_end_together(library, profile
 def test_mistakes(library):
     nowhere, there = (ctypes.c_double * 6)(math.nan), (ctypes.c_double * 6)(*TO)
     assert library.put(1.0, math.nan, 0.0) == library.put(math.inf, 0.0, 0.0) == errno.EINVAL
-    assert library.set(6, 0.0) < 0 and library.set(0, math.nan) < 0
-    assert library.quintic(nowhere, 0.2) < 0 and library.trapezoid(nowhere, 0.2) < 0
+    assert library.quintic(nowhere, 0.2) < 0
     assert library.quintic(there, 0.0) < 0
     assert not samples(library)[:, 0].any()  # nothing was taken
 
 
 def test_motions_queue_and_go_through_their_knots(library):
     """Smooth positions and velocities through two profiles, whose ends are those asked for."""
-    assert library.trapezoid((ctypes.c_double * 6)(*TO), 1.0) == 0
+    assert library.quintic((ctypes.c_double * 6)(*TO), 1.0) == 0
     assert library.quintic((ctypes.c_double * 6)(), 1.0) == 0
     rows = samples(library)
     assert rows[-1, 0] == pytest.approx([0.0] * 6)
@@ -155,32 +141,13 @@ def test_motions_queue_and_go_through_their_knots(library):
 
 def test_the_buffer_is_bounded(library):
     assert library.put(0.0005, 0.0, 0.0) == errno.EINVAL  # the setpoints of then are written
-    assert [library.put(0.01 * n + 1, 0.1, 0.0) for n in range(58)] == [0] * 58
-    assert library.trapezoid((ctypes.c_double * 6)(*TO), 1.0) == -1  # none of its seven knots
-    assert [library.put(0.01 * n + 1, 0.1, 0.0) for n in range(58, 64)] == [0] * 6
+    assert [library.put(0.01 * n + 1, 0.1, 0.0) for n in range(63)] == [0] * 63
+    assert library.quintic((ctypes.c_double * 6)(*TO), 1.0) == -1  # neither of its two knots
+    assert library.put(1.63, 0.1, 0.0) == 0
     assert library.put(2.0, 0.1, 0.0) == errno.EAGAIN
     assert library.at(1.105, (ctypes.c_double * 18)()) == 1
     assert [library.put(2.0 + n, 0.1, 0.0) for n in range(9)] == [0] * 9
     assert library.put(3.0, 0.1, 0.0) == errno.EINVAL  # earlier than the last
-
-
-def test_units(library):
-    """Counts by gear and encoder; amperes by the amplifier; 12 bits over +-10 V."""
-    assert JOINTS[0]["counts"] == pytest.approx(1000 * -62.6111 / math.tau)
-    assert JOINTS[0]["per_ampere"] == pytest.approx(2048 / 10 / 0.883)
-    ahead = [library.push(2.0) for _ in range(1000)][-1]
-    law = JOINTS[0]["param"]
-    gain = (law["a0"] + law["a1"]) / (law["b0"] + law["b1"])  # of the compensator, at rest
-    assert ahead * gain == pytest.approx(2.0 * JOINTS[0]["per_ampere"], rel=0.02)
-
-
-def test_zero_by_potentiometer_and_index(library):
-    """Any angle: the index gives the count at 0 rad exactly."""
-    for axis, joint in enumerate(JOINTS):
-        for angle in np.linspace(-1.5, 1.5, 31):
-            adc = math.floor(joint["pot_zero"] + angle / joint["pot"] + 0.5)
-            absolute = math.floor(angle * joint["counts"] + 0.5)  # where the encoder reads 0
-            assert library.zero(axis, adc, 0, -absolute % joint["turn"]) == -absolute
 
 
 def test_home_on_the_machine(tmp_path):

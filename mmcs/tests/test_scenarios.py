@@ -27,8 +27,6 @@ REQUIREMENTS = {
     "puma560_calibrate_30": ["CAL-1", "DRV-8"],
     "puma560_double_buffer": ["DAC-1"],
     "puma560_single_buffer": ["DAC-1"],
-    "puma560_friction_on": ["SRV-3"],
-    "puma560_friction_off": ["SRV-3"],
     "servo_overrun": ["DRV-7"],
     "user_loop": ["FW-2"],
     "fault_axis_switch": ["SW-1"],
