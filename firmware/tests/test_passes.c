@@ -209,26 +209,6 @@ TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
   }
 }
 
-/* Off is off, also if nobody has ever set a parameter. */
-TEST(test_axes_are_off_by_default, "DRV-2 SRV-6") {
-  struct mc *mc = listening(2);
-  DEMAND(mc, 5000, -5000, 1, 100000);
-  CHECK_EQ(enable(mc), 0);
-  for (int i = 1; i < 5; i++) {
-    for (int axis = 0; axis < 4; axis++) m.card[axis / 2].count[axis & 1] = (uint16_t)(100 * i);
-    mock_pass(&m);
-    for (int axis = 0; axis < 4; axis++) {
-      const struct mc_state *state = mc_state_of(mc, axis);
-      CHECK_EQ(state->fbnow, 100 * i);
-      CHECK_EQ(state->vel, i == 1 ? 150 : 100);
-      CHECK_EQ(state->error, 0);
-      CHECK_EQ(state->inow, 0);
-      CHECK_EQ(mock_dac(&m, axis), 0x800);
-    }
-  }
-  CHECK_EQ(mc_stats_of(mc)->clips, 0);
-}
-
 /* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
 TEST(test_overruns_of_any_length, "DRV-7") {
   struct mc *mc = listening(1);
@@ -296,6 +276,14 @@ TEST(test_missed_are_counted_exactly, "DRV-7") {
   }
   CHECK(m.passes > passes);
   CHECK_EQ(stats->overrun, 0);
+  call(mc, MENABLE, 0); /* and in the PANIC that comes of it */
+  int missed = stats->missed;
+  m.masked = 1;
+  mock_run(&m, 1000 - (m.now - m.origin) % 1000 + 79500);
+  m.masked = 0;
+  mock_run(&m, 1000);
+  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
+  CHECK_EQ(stats->missed - missed, 79);
 }
 
 TEST(test_set_encoder_traffic, "DRV-10") {

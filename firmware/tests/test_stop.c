@@ -227,46 +227,12 @@ TEST(test_a_stop_prepares_what_a_mode_of_off_has, "DRV-9 SRV-1") {
   }
 }
 
-/* Brakes may open only when the servo holds: every D/A is that of a servo pass. */
-static void brakes_need_a_servo(struct mock *mock) {
-  if (!mock_panic(mock)) CHECK(mock->computes > 0 && (mock->card[0].b & 2) != 0);
-}
-
-TEST(test_enable_opens_brakes_with_the_servo, "DRV-9") {
-  struct mc *mc = mock_open(&m, 3);
-  m.card[1].enabled[0] = 0;
-  m.card[0].count[0] = 1234;
-  m.computes = 0;
-  set_mode_within_100(mc, 0, MD_POS);
-  m.on_access = brakes_need_a_servo;
-  CHECK(mock_panic(&m));
-  call(mc, MENABLE, 0);
-  CHECK(!mock_panic(&m));
-  CHECK_EQ(m.releases, 1);
-  CHECK_EQ(mc_setpoint(mc, 0), 1234); /* holds where it is */
-  CHECK_EQ(mock_dac(&m, 0), 0x800);
-  CHECK_EQ(m.card[2].b, 7);
-  CHECK_EQ(m.pccsr, 0xF8);
-}
-
 TEST(test_slow_interval_panics, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   call(mc, MSETINTERVAL, 80000);
   call(mc, MENABLE, 0);
   mock_run(&m, 80000);
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
-}
-
-TEST(test_missed_are_counted_in_a_panic_too, "DRV-7") {
-  struct mc *mc = mock_open(&m, 1);
-  call(mc, MENABLE, 0);
-  mock_run(&m, 2000 - (m.now - m.origin) % 2000 + 1000);
-  m.masked = 1; /* the host stands still for 40 SCLOCKs */
-  mock_run(&m, 80000);
-  m.masked = 0;
-  mock_run(&m, 1000);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
-  CHECK_EQ(mc_stats_of(mc)->missed, 39);
 }
 
 /* The PANIC that the end of our own heartbeats makes 50 ms later costs no sample, nor does one of

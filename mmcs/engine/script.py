@@ -121,9 +121,6 @@ class Serving:
     def server_ioctl(self, client, request: int, argument: bytes) -> tuple[int, bytes]:
         return self.sim.asked(request, argument, self._lib.mmcs_server_ioctl, self.now, client)
 
-    def server_write(self, client, data: bytes) -> int:
-        return self._lib.mmcs_server_write(self.now, client, data, len(data))
-
     def bus(self, client, address: int, size: int, data: bytes | None) -> tuple[int, bytes]:
         """A mapped access at an A16 address; data to write: as mmcs_server_bus()."""
         value, writes = self._ffi.new("uint32_t *"), data is not None

@@ -300,13 +300,6 @@ def test_wilson(k, n, low, high):
     assert wilson(k, n) == pytest.approx((low, high), abs=1e-4)
 
 
-def test_of_an_own_scenario_lies_beside_it(mmcs, tmp_path):
-    (tmp_path / "my.toml").write_text('extends = "lab500"\nduration = 0.1\nexpect = []\n')
-    good(mmcs("campaign", str(tmp_path / "my.toml"), "--faults", "2", "--workers", "1"))
-    folder = tmp_path / "campaigns" / "my"
-    assert (folder / "report.md").is_file()
-
-
 # --- ways to stop ------------------------------------------------------------------------------
 
 

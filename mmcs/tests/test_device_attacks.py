@@ -84,17 +84,6 @@ def test_a_file_is_opened_once_and_has_a_name(bench):
     is_well(bench)
 
 
-def test_holders_come_and_go_without_leaving_descriptors(bench):
-    program = Raw(bench)
-    before = descriptors()
-    for pid in range(400_000, 401_000):  # as many short-lived children
-        program.bench.server.files[program.name].holders.add(pid)
-    assert program.call(wire.READ, 56)[0] == 56
-    assert descriptors() == before
-    program.close()
-    is_well(bench)
-
-
 def test_more_connections_than_are_served(bench):
     bench.server.most = 20
     many = []

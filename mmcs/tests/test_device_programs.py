@@ -3,6 +3,7 @@
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -248,3 +249,22 @@ print("lives")
 """
     done = ran(sys.executable, "-c", text, env=env)
     assert (done.stdout, done.returncode) == ("lives\n", 0), done.stderr
+
+
+def test_nobody_serves(tmp_path, monkeypatch):
+    monkeypatch.setenv("MMCS_SOCKET", str(tmp_path / "none"))
+    with pytest.raises(OSError, match="mmcs serve"):
+        Device()
+
+
+def test_example_of_the_manual(serving, capsys):
+    text = (ROOT / "docs" / "use" / "device.md").read_text()
+    exec(re.search(r"```python\n(.*?)```", text, flags=re.S)[1], {})
+    # however long it looked away: undamped, it comes to twice the step at most
+    assert abs(int(capsys.readouterr().out)) <= 400
+
+
+@pytest.mark.parametrize("given", [1 << 32, 10**30, 1.5, None, "x"])
+def test_flags_that_are_none_are_refused(serving, given):
+    with pytest.raises(OSError, match="flags .*: must be"):
+        Device("/dev/mc0", given)

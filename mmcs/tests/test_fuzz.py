@@ -2,18 +2,12 @@
 """A sample of `make fuzz`: damaged inputs for every parser end in a result or in a sentence."""
 
 import os
-import sys
-
-import pytest
 
 from mmcs import ROOT
+from tools.compiled import compiled, ran
+from tools.parsers import fuzz
 
 SANITIZE = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"]
-sys.path.insert(0, str(ROOT / "firmware" / "tests"))
-from test_firmware import program  # noqa: E402
-
-from tools.compiled import compiled, ran  # noqa: E402
-from tools.parsers import fuzz  # noqa: E402
 
 
 def said(*command):
@@ -25,11 +19,6 @@ def said(*command):
 
 def test_every_parser_in_python(capsys):
     assert fuzz(100, seed=7) == 0, capsys.readouterr().out
-
-
-@pytest.mark.req("DRV-3", "DRV-4")
-def test_any_call_of_the_driver():
-    said(program(), "test_random_calls", 100_000, 7)
 
 
 def test_whatever_a_server_answers():

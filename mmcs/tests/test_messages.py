@@ -328,23 +328,6 @@ def test_pause_advance_rewind(serving, link):
     assert refused(link, "rewind", snapshot=kept["id"])[0] == 22
 
 
-def test_enable_waits_for_the_end_of_a_pause(serving, link):
-    """A program's, which needs the machine's time; by messages it takes that time."""
-    link.request("open", mode="r")
-    with Device() as dev:
-        link.request("pace", paused=True)
-        before = link.request("hello")["time"]
-        enabling = threading.Thread(target=dev.enable, daemon=True)
-        enabling.start()
-        for _ in range(20):
-            dev.read(1)
-            now = link.request("hello")
-            assert now["time"] < before + 0.001 and not now["enabled"]  # MENABLE takes 4 ms
-        link.request("pace", paused=False)
-        enabling.join()
-        assert dev.status().enabled
-
-
 def test_a_program_that_came_and_went_is_not_left_open_by_a_rewind(serving, link):
     link.request("open", mode="r")
     with Device() as dev:

@@ -372,6 +372,7 @@ OPTIONS = {  # words between single spaces
     "run lab500 --host vax": '--host = "vax": must be one of "native", "m68020"',
     "run lab500 --trace x.vcd": '--trace = "x.vcd": must be a file name ending in .fst',
     "export mcap lab500 --out run.mmcs": '--out = "run.mmcs": must end in .mcap',
+    "export fmu lab500 --out x.zip": '--out = "x.zip": must end in .fmu',
     "run lab500 --set cards": "--set: cards: must be key=value, like servo.0.ilim=500",
     "run lab500 --set motion.7.to=1": '--set: motion.7.to=1: "7" must be an entry number: 0 to 0',
     "check lab500 --set motion.².to=1": '--set: motion.².to=1: "²" must be an entry number: 0 to 0',
@@ -404,6 +405,7 @@ def test_option_mistake(mmcs, words):
 # Of a command: words between single spaces, and a part of what is told.
 TOLD = {
     "design -p 4 -d 0.1 --method zoh": "improper",
+    "design -p 4 -i 9 -d 0.1 --method ztransform": "improper",
     "design -p 4 --method zoo": "no such method",
     "design --robot puma560": "give gains",
     "design -p 4 --axis 17": "axes 0 to",

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the pages compute by themselves, against Python: gains, nets, by seed."""
+"""What the pages compute by themselves, against Python: gains, by seed."""
 
-import bisect
 import json
 import math
 import random
@@ -47,22 +46,3 @@ def test_gains_come_back_from_integers():
                         tuple(param[f"b{n}"] / param["b0"] for n in range(3)))  # fmt: skip
         again = discretize(Controller(**gains), "backward", t)
         assert np.allclose(again.at(z), ints.at(z), rtol=1e-6)
-
-
-def test_changes_of_a_net_are_found():
-    rng = random.Random(1996)
-    asked, own = [], []
-    for _ in range(60):
-        clocks = sorted(rng.sample(range(1000), rng.randint(1, 40)))
-        values = [rng.randrange(2**32) for _ in clocks]
-        at = [rng.randrange(1000) for _ in range(30)]
-        asked.append(["net", clocks, values, at])
-        own.append([])
-        for clock in at:
-            place = max(0, bisect.bisect_right(clocks, clock) - 1)
-            own[-1].append([
-                values[place],
-                next((c for c in clocks if c > clock), None),
-                next((c for c in reversed(clocks[1:]) if c < clock), None),
-            ])  # fmt: skip
-    assert [found.get("value") for found in ask(asked)] == own

@@ -91,14 +91,14 @@ def test_enable_in_a_paused_machine_says_what_it_waits_for(bench, monkeypatch):
     clock, said, program = Clock(), [], Raw(bench)
     monkeypatch.setattr(server, "time", clock)
     monkeypatch.setattr(bench.server, "say", said.append)
-    bench.server.machine.now.paused = True
+    bench.server.machine.now.paused, began = True, bench.sim.time
     program._send(program.channel, IOCTL, program.name, mcdef.MENABLE, 0, b"")
     for passes, lines in ((0, 0), (0.9, 0), (0.2, 1), (5, 1)):
         clock.now += passes
         for _ in range(2):
             bench.server.step()
-        assert len(said) == lines
+        assert len(said) == lines and bench.sim.time == began
     assert "MENABLE waits: the machine is paused" in said[0]
     bench.server.machine.now.paused = False
-    assert program._answer(program.channel) == (0, b"")
+    assert program._answer(program.channel) == (0, b"") and bench.sim.stats()["enabled"]
     program.close()

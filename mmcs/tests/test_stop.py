@@ -116,21 +116,6 @@ def test_a_monitor_may_stop(bench, program):
     monitor.close()
 
 
-def test_sleepers_on_the_stop_path_keep_nobody_out(bench):
-    sleepers = []
-    for _ in range(10):
-        sleepers += [stop_line(bench) for _ in range(20)]
-        bench.server.step()
-    sleepers += [stop_line(bench) for _ in range(20)]
-    with stop_line(bench) as line:
-        line.sendall(b"stop\n")
-        bench.server.step()
-        line.setblocking(False)
-        assert line.recv(100).startswith(b"stopped ")
-    for sock in sleepers:
-        sock.close()
-
-
 @pytest.mark.req("DRV-9")
 def test_a_line_sent_before_its_connection_is_closed_still_stops(bench, program):
     """64 others come between the connection and its line, in the same step of the server."""

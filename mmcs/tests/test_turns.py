@@ -11,8 +11,8 @@ from mmcs.device import server, wire
 from mmcs.device.programs import Program
 from mmcs.device.server import Server
 from mmcs.device.turns import Core
-from mmcs.tests.device_bench import EXAMPLES, output_in_lockstep, run_in_lockstep
-from mmcs.tests.test_lockstep import PYTHON, example
+from mmcs.tests.device_bench import output_in_lockstep, run_in_lockstep
+from mmcs.tests.test_lockstep import EXAMPLES_RUN, PYTHON, example
 
 STOPS = """
 import mmcs
@@ -114,13 +114,15 @@ def without_memory(request: bytes) -> bytes:
 GENUINE = Server.becomes_line, Program.serve, Server.close
 
 
-@pytest.mark.parametrize("what", [
-    "sine.c", "sine.py", "bounce.c", STOPS, READS, WRITES,
-], ids=["sine.c", "sine.py", "bounce.c", "stops", "reads", "writes"])  # fmt: skip
+@pytest.mark.parametrize(
+    "what", [*EXAMPLES_RUN, STOPS, READS, WRITES],
+    ids=[*(path.name for path in EXAMPLES_RUN), "stops", "reads", "writes"],
+)  # fmt: skip
 def test_a_run_is_the_same_whoever_listens(what, tmp_path, monkeypatch):
-    """Many turns at once or one at a time; states that come with samples and write()s without an
-    answer, or not: the same output, the same hash."""
-    command = [*PYTHON, what] if "\n" in what else example(EXAMPLES / what)
+    """Beside nothing or a busy loop; many turns at once or one at a time; states that come with
+    samples and write()s without an answer, or not: the same output, the same hash."""
+    command = [*PYTHON, what] if isinstance(what, str) else example(what)
+    name = getattr(what, "name", "")
     line, serve, close, runs, calls, asked = *GENUINE, [], [], []
 
     def count(self):
@@ -132,17 +134,19 @@ def test_a_run_is_the_same_whoever_listens(what, tmp_path, monkeypatch):
 
     monkeypatch.setattr(Program, "serve", lambda *a: calls.append(1) or serve(*a))
     monkeypatch.setattr(Server, "close", count)
-    for turns in (64, 1, 64):
+    for turns, busy in ((64, "exit"), (1, "while :; do :; done"), (64, "exit")):
         monkeypatch.setattr(server, "TURNS", turns)
         if len(runs) == 2:
             monkeypatch.setattr(Server, "becomes_line", poor)
         out = tmp_path / "out"
-        shell = "" if what == "sine.py" else "exec"  # the shell waits, or is the program
+        shell = "" if name == "sine.py" else "exec"  # the shell waits, or is the program
         words = ["sh", "-c", f'{shell} "$@" > {out}; exit', "sh", *command]
-        status, hash_ = run_in_lockstep(tmp_path / "m", *words)
+        with subprocess.Popen(["nice", "sh", "-c", busy]) as beside:
+            status, hash_ = run_in_lockstep(tmp_path / "m", *words)
+            beside.kill()
         runs.append((status, hash_, out.read_text()))
     assert runs[0] == runs[1] == runs[2] and runs[0][0] == (134 if what == WRITES else 0)
-    if what == "sine.c":  # a sample costs one request, for which it waits
+    if name == "sine.c":  # a sample costs one request, for which it waits
         requests, samples = asked[0]
         assert samples > 900 and requests < 1.1 * samples
     if what == WRITES:

@@ -25,7 +25,7 @@ CARRIED = {
     "docs/use/first_hour.md": ({"sh"}, "mmcs/tests/test_first_hour.py"),
     "docs/use/driver.md": ({"c"}, "mmcs/tests/test_examples.py"),
     "docs/use/python.md": ({"python"}, "mmcs/tests/test_front.py"),
-    "docs/use/device.md": ({"python"}, "mmcs/tests/test_device.py"),
+    "docs/use/device.md": ({"python"}, "mmcs/tests/test_device_programs.py"),
     "docs/simulator/simulator.md": ({"c"}, "tools/tests/test_docs_commands.py"),
     "labs/README.md": ({"python"}, "labs/tests/conftest.py"),
 }

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import fmpy
@@ -12,8 +10,9 @@ import pytest
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
-from mmcs import load, machine, mcdef, run
+from mmcs import Machine, load, run
 from mmcs.bridge.fmu import write
+from mmcs.tests.conftest import call, good
 
 STEP = 0.001
 ANGLE, ENCODER, SETPOINT = 300, 200, 100  # references, of axis 0
@@ -24,7 +23,7 @@ ESTOP_CLOSED, ENABLED, PANIC, HASH = 1, 2, 3, 4
 def folder(tmp_path_factory) -> Path:
     """The unit of lab500, unpacked."""
     path = tmp_path_factory.mktemp("fmu")
-    write(load("lab500"), path / "lab500.fmu")
+    good(call("export", "fmu", "lab500", "--out", path / "lab500.fmu"))
     return path
 
 
@@ -81,24 +80,13 @@ def test_the_same_machine_is_the_same_unit(folder, tmp_path):
 
 @pytest.mark.req("DRV-4", "SRV-7")
 def test_it_is_our_machine_to_the_bit(unit):
-    """300 steps in the unit, and the same calls of the engine from Python."""
-    setup = load("lab500")
-    sim = machine(setup)
-    client = sim.open(mcdef.O_RDWR)
-    interval = setup.scenario.interval_us
-    for request, value in (("MSETNUMJOINTS", setup.axes), ("MSETINTERVAL", interval),
-                           ("MDACMODE", 1), ("MSETENC", 0)):  # fmt: skip
-        assert sim.ioctl(client, getattr(mcdef, request), mcdef.new_int(value)) == 0
-    param = mcdef.new_param(0)
-    mcdef.fill_param(param, setup.params[0])
-    assert sim.ioctl(client, mcdef.MSETPARAM, param) == 0
-    assert sim.ioctl(client, mcdef.MENABLE) == 0
-    begin, seen, ours = sim.time, [], []
-    for n in range(300):
-        seen.append(unit.step(demand(n)))
-        sim.write(client, [demand(n)])
-        assert sim.run(begin + n * STEP + STEP)
-        ours.append((float(sim.read(client)[0]["encnow"]), sim.true(0)["angle"]))
+    """300 steps in the unit, and as many of the machine in Python."""
+    seen, ours = [], []
+    with Machine("lab500") as machine:
+        for n in range(300):
+            seen.append(unit.step(demand(n)))
+            (state,) = machine.step([demand(n)])
+            ours.append((float(state["encnow"]), machine.joint(0)["angle"]))
     assert seen == ours
     assert seen[140][0] > 380 and seen[-1][0] < -230, "it moves"
 
@@ -201,16 +189,3 @@ def test_a_damaged_unit_does_not_begin(folder, tmp_path, harm):
         file.write_bytes(good[:-1] if harm == "short" else good[:8] + b"0" * 63 + good[71:])
     with pytest.raises(Exception, match="instantiate"):
         Unit(unpacked)
-
-
-def test_the_command(tmp_path):
-    def mmcs(*words: str) -> subprocess.CompletedProcess:
-        command = [sys.executable, "-m", "mmcs", "export", "fmu", *words]
-        return subprocess.run(command, cwd=tmp_path, text=True, capture_output=True, check=False)
-
-    assert mmcs("lab500").returncode == 0 and (tmp_path / "lab500.fmu").is_file()
-    for words, told in ((("lab500", "--out", "x.zip"), "must end in .fmu"),
-                        (("lab500", "--out", "no/x.fmu"), "its folder does not exist"),
-                        (("lab5000",), "lab5000")):  # fmt: skip
-        done = mmcs(*words)
-        assert done.returncode == 2 and told in done.stderr and "Traceback" not in done.stderr

@@ -269,15 +269,3 @@ with machine() as sim:
 def test_interrupts_go_on_after_memory_was_full_in_one():
     done = ran(sys.executable, "-c", FULL, ROOT / "sim/tests/engine", check=True)
     assert done.stdout == "out of memory True\n"
-
-
-# --- the build ---------------------------------------------------------------------------------
-
-
-@pytest.mark.req("API-1")
-@pytest.mark.parametrize(
-    ("argument", "says"), [("KIND=quick", "speed, trust or trace"), ("CARDS=17", "1 to 16")]
-)
-def test_bad_build_arguments_are_explained(argument, says):
-    done = ran("make", "-f", "sim/Makefile", argument)
-    assert done.returncode == 2 and says in done.stderr

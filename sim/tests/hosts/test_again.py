@@ -31,14 +31,6 @@ def run(tmp_path_factory):
     return out, re.search(r"hash (0x[0-9a-f]{16})", said)[1]
 
 
-@pytest.mark.req("API-1", "FW-1")
-def test_record_reproduces_the_run(mmcs, run):
-    out, digest = run
-    assert json.loads((out / "run.mmcs").read_text())["host"] == "m68020"
-    status, text, _ = mmcs("replay", out)
-    assert status == 0 and f"reproduced, hash {digest}" in text
-
-
 STOPPED, PROGRAM, ENTER, READ, COMPUTE, WRITE, PUBLISH = range(7)  # host_phase
 
 
@@ -49,6 +41,7 @@ def test_stretch_with_waveforms(mmcs, run, tmp_path):
     import pywellen
 
     out, digest = run
+    assert json.loads((out / "run.mmcs").read_text())["host"] == "m68020"
     path = tmp_path / "part.fst"
     status, text, _ = mmcs("trace", out, "--at", 0.1, "--window", 3.5, "--out", path)
     assert status == 0 and f"the same hash, {digest}" in text
