@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -37,8 +38,9 @@ HANG_S = 1800
 TIMESCALE = ("1ns", "1ps")
 # Nearly all the time of a build is g++; the simulations are short, so -O1 ends soonest.
 OPTIMISE = ["OPT_FAST=-O1", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
-# Counters make the code several times as large and the builds as long: -O0 ends soonest there.
-COUNTING = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
+# Counters, or sixteen cards, make the code several times as large and the builds as long: -O0
+# ends soonest there.
+LARGE = ["OPT_FAST=-O0", "OPT_SLOW=-O0", "OPT_GLOBAL=-O1"]
 SHARED = ("verilated.o", "verilated_vpi.o", "verilated_threads.o", "verilated_dpi.o")
 # Only with these tops do the bus checkers find what they are bound to.
 CHECKED_TOPS = ("mmcs", "mmcs_tb")
@@ -129,10 +131,10 @@ class _Icarus(_Runner, Icarus):
 
 
 class _Verilator(_Runner, Verilator):
-    optimise = OPTIMISE
+    optimise, coverage = OPTIMISE, False
 
     def _between(self):
-        _lend_objects(Path(self.build_dir), self.optimise is COUNTING)
+        _lend_objects(Path(self.build_dir), self.coverage)
 
     def _build_command(self):
         verilate, make = super()._build_command()
@@ -196,6 +198,13 @@ def _lend_objects(folder: Path, coverage: bool) -> None:
             shutil.copyfile(store / name, folder / name)
 
 
+def _first_build(job: Job):
+    """Others wait for the first build by Verilator, whose run-time library takes twice its time."""
+    store = build_root() / ("objects-coverage" if job.coverage else "objects")
+    kept = job.sim == "icarus" or all((store / name).is_file() for name in SHARED)
+    return nullcontext() if kept else locked(store.with_suffix(".lock"))
+
+
 def _keep_objects(folder: Path, coverage: bool) -> None:
     store = build_root() / ("objects-coverage" if coverage else "objects")
     store.mkdir(exist_ok=True)
@@ -220,36 +229,38 @@ def build(job: Job):
     arguments = _arguments(job)
     files_read = [*files, *(f for folder in includes for f in sorted(folder.rglob("*.svh")))]
     digest = digest_of(files_read)
+    runner = (_Verilator if job.sim == "verilator" else _Icarus)()
+    runner.coverage = job.coverage
+    if job.coverage or dict(job.parameters).get("NumCards") == 16:
+        runner.optimise = LARGE
     digest.update(repr((job.toplevel, job.sim, job.parameters, arguments, OPTIMISE)).encode())
     digest.update(sys.version.encode() + sys.prefix.encode())
     folder = build_root() / f"{job.toplevel}-{job.sim}-{digest.hexdigest()[:12]}"
-    runner = (_Verilator if job.sim == "verilator" else _Icarus)()
-    if job.coverage:
-        runner.optimise = COUNTING
     log = folder.with_suffix(".log")
     with locked(folder.with_suffix(".lock")):
         if not (folder / "built").is_file():
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir(parents=True)
             try:
-                runner.build(
-                    sources=files,
-                    includes=includes,
-                    hdl_toplevel=job.toplevel,
-                    parameters={} if job.netlist else dict(job.parameters),
-                    build_args=arguments,
-                    build_dir=folder,
-                    timescale=TIMESCALE,
-                    log_file=log,
-                    always=True,
-                    waves=_traced(job),
-                )
+                with _first_build(job):
+                    runner.build(
+                        sources=files,
+                        includes=includes,
+                        hdl_toplevel=job.toplevel,
+                        parameters={} if job.netlist else dict(job.parameters),
+                        build_args=arguments,
+                        build_dir=folder,
+                        timescale=TIMESCALE,
+                        log_file=log,
+                        always=True,
+                        waves=_traced(job),
+                    )
+                    if job.sim == "verilator":
+                        _keep_objects(folder, job.coverage)
                 if unknown := re.search(r"parameter \w+ not found", log.read_text()):
                     raise RuntimeError(unknown[0])  # Icarus takes it for a warning
             except RuntimeError as error:
                 raise BuildError(f"{job.toplevel}: {error}\n{_tail(log)}") from None
-            if job.sim == "verilator":
-                _keep_objects(folder, job.coverage)
             (folder / "built").touch()
     runner.build_dir = folder
     return runner

@@ -21,7 +21,7 @@ from tools.pages import part
 
 pytestmark = needs("m68020", "riscv64-unknown-elf-gcc", "unicorn", by="make test")
 
-TICKS = 2_000 if "MMCS_RANDOM_OPS" in os.environ else 10_000
+TICKS = 10_000 if os.environ.get("MMCS_FAMILY") == "all" else 2_000
 RAM_BYTES = 0x20000
 STOP = {"m68020": bytes.fromhex("4E722700"), "rv32": (0x10500073).to_bytes(4, "little")}  # or WFI
 
