@@ -97,14 +97,6 @@ def test_the_sheet_asks_what_is_graded(sheet):
     assert set(filled) == set(answer_model(sheet).model_fields)
 
 
-def test_sheets_have_no_links_and_their_headings(sheet):
-    """A copy stands alone in the student's folder."""
-    assert "](" not in text(sheet)
-    assert re.findall(r"^## (.*)$", text(sheet), re.M) == ["Steps", "Questions"]
-    assert "**Goal.**" in text(sheet)
-    assert f"`mmcs lab check {sheet.number} answer.toml` grades." in text(sheet)
-
-
 DESIGNS = [
     (path, line.removeprefix("# mmcs "))
     for path in sorted(LABS.glob("*/*.toml"))
@@ -171,12 +163,6 @@ def test_a_student_is_given_neither_grader_nor_answers(folder):
 # --- the command -------------------------------------------------------------------------------
 
 
-def test_list():
-    assert [line.split()[:2] for line in good(call("lab")).splitlines()] == [
-        [str(sheet.number), sheet.name] for sheet in ALL
-    ]
-
-
 def test_start_overwrites_nothing(tmp_path):
     (tmp_path / "answer.toml").write_text("mine")
     answer = call("lab", "start", 1, tmp_path)
@@ -194,13 +180,15 @@ def test_start_overwrites_nothing(tmp_path):
         (1, "zero_share = 2", "zero_share = 2: must be at most 1"),
         (1, "weights = [1]", "weights: must have at least 2 entries"),
         (1, "lag_ms = ", "not valid TOML"),
+        (1, None, "cannot be read: No such file"),
         (2, "gains = { a0 = 1 }", "gains.b0: is missing"),
         (2, "last_us = 700", "last_us = 700: must be a multiple of 500"),
     ],
 )
 def test_bad_input_is_one_error(number, answer, told, tmp_path):
     path = tmp_path / "answer.toml"
-    path.write_text(answer)
+    if answer is not None:
+        path.write_text(answer)
     one_clear_line(call("lab", "check", number, path), told)
 
 
@@ -215,10 +203,6 @@ def test_any_number_is_graded_or_refused(sheet, number, tmp_path):
             status, out, err = call("lab", "check", sheet.number, path)
             graded = status in (0, 1) and " of 10 points" in out and "nan" not in out
             assert graded or (status, out, err.count("\n")) == (2, "", 1), (answer[1], out, err)
-
-
-def test_no_answer_file_is_one_error(tmp_path):
-    one_clear_line(call("lab", "check", 1, tmp_path / "none.toml"), "cannot be read: No such file")
 
 
 def test_what_cannot_be_run_is_no_point_but_a_reason(tmp_path):
@@ -300,10 +284,6 @@ def test_a_broken_sheet_is_told(own_sheets, case):
 def test_two_sheets_of_one_number(own_sheets):
     shutil.copytree(own_sheets / "01_gain", own_sheets / "1_other")
     one_clear_line(call("lab", "--sheets", own_sheets), "1_other: there is another sheet 1")
-
-
-def test_an_empty_folder_holds_no_sheets(tmp_path):
-    one_clear_line(call("lab", "--sheets", tmp_path, "start", 1), "holds no sheets")
 
 
 def test_a_class(tmp_path):

@@ -38,12 +38,9 @@ def replay(run: str) -> None:
 @click.argument("run", metavar="RUN|SCENARIO")
 @click.option("--at", metavar="T|KIND", help="Seconds of motion, or panic, error...")
 @click.option("--window", default=5.0, metavar="MS", help="How much is traced around it; 5 ms.")
-@click.option("--whole", is_flag=True, help="Trace the whole run: some 80 MB a second.")
 @click.option("--out", type=click.Path(path_type=Path), metavar="FILE.fst", help="The trace.")
 @click.option("--view", is_flag=True, help="Open it in a viewer.")
-def trace(
-    run: str, at: str | None, window: float, whole: bool, out: Path | None, view: bool
-) -> None:
+def trace(run: str, at: str | None, window: float, out: Path | None, view: bool) -> None:
     """Waveforms of a part of a run, with a prepared view.
 
     RUN is a run.mmcs or its folder; a SCENARIO is run first. The run is made again, in this part
@@ -59,7 +56,7 @@ def trace(
     check_packages()
     replays.check_window(window)
     record, good = _made(run)
-    from_s, to_s = replays.stretch(record, at, window, whole)
+    from_s, to_s = replays.stretch(record, at, window)
     path = check_file(out or replays.default_path(record, from_s, to_s))
     where, other_build = replays.trace(record, path, from_s, to_s)
     begin, end = from_s - record.motion_start_s, to_s - record.motion_start_s

@@ -57,14 +57,10 @@ def check_window(window_ms: float) -> None:
         raise InputError.one("--window", "", window_ms, f"must be {LEAST_MS:g} ms or more")
 
 
-def stretch(
-    record: Record, at: str | None, window_ms: float, whole: bool = False
-) -> tuple[float, float]:
+def stretch(record: Record, at: str | None, window_ms: float) -> tuple[float, float]:
     """From and to, in seconds since power-on; `at` is a time since the motion began, or the kind
     of an event in the run's report."""
     end = record.motion_start_s + record.data["duration"]
-    if whole:
-        return 0.0, end
     half = window_ms * 5e-4
     if at is None:
         return _first_moment(record, 2 * half, end)

@@ -5,8 +5,7 @@ import pytest
 
 from mmcs import SCENARIOS
 from mmcs.errors import InputError
-from mmcs.scenario import files
-from mmcs.scenario.files import FAULTS, find, read_scenario, read_toml, scenario_names
+from mmcs.scenario.files import FAULTS, read_toml, scenario_names
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import one_clear_line
 
@@ -76,12 +75,6 @@ def test_files_that_extend_each_other_without_end(mmcs, tmp_path):
     one_clear_line(mmcs("check", tmp_path / "0.toml"), "is the 10th in a row: name fewer")
 
 
-def test_a_fault_of_another_base(monkeypatch):
-    monkeypatch.setattr(files, "read_toml", lambda _: {"fault_x": {"extends": "lab500"}})
-    with pytest.raises(InputError, match="fault_x.extends = .lab500.: must be one of arm_move, "):
-        files.fault_scenario("fault_x")
-
-
 def test_a_mistake_is_told_of_the_file_that_makes_it(tmp_path):
     write(
         tmp_path,
@@ -105,12 +98,6 @@ def test_names_are_unique_and_no_file_is_outside_a_folder():
     files = [path.stem for path in SCENARIOS.rglob("*.toml") if path != FAULTS]
     assert sorted([*files, *read_toml(FAULTS)]) == scenario_names()
     assert not list(SCENARIOS.glob("*.toml"))
-
-
-def test_faults_do_not_repeat_the_machine():
-    for name, entry in read_toml(FAULTS).items():
-        assert "robot" not in entry, name
-        assert read_scenario(find(name))[0]["robot"] == "puma560"
 
 
 def test_expectations_of_other_motions_are_cautioned(mmcs, tmp_path):

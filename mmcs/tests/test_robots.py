@@ -40,12 +40,6 @@ def test_flexible_axis_gives_the_rotor_and_the_load(scenario):
     assert rigid.motors(coupled=True)[0]["inertia"] == 1e-6
 
 
-def test_copies(scenario):
-    text = ROBOT.replace("[[axis]]", '[[axis]]\nname = "M"\ncopies = 3')
-    _, robot = load_robot(str(scenario(text, "own.toml")))
-    assert [robot.axis_name(n) for n in range(robot.axes())] == ["M1", "M2", "M3"]
-
-
 def test_cautions(mmcs, scenario):
     text = ROBOT.replace("gear = 1.0", "gear = 1.0\nservo.ilim = 20\nservo.ic_pos = 2000")
     out = good(mmcs("check", scenario(text, "own.toml")))

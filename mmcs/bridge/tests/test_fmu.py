@@ -10,7 +10,7 @@ import pytest
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 
-from mmcs import Machine, load, run
+from mmcs import load, machine, mcdef, run
 from mmcs.bridge.fmu import write
 from mmcs.tests.conftest import call, good
 
@@ -80,13 +80,17 @@ def test_the_same_machine_is_the_same_unit(folder, tmp_path):
 
 @pytest.mark.req("DRV-4", "SRV-7")
 def test_it_is_our_machine_to_the_bit(unit):
-    """300 steps in the unit, and as many of the machine in Python."""
-    seen, ours = [], []
-    with Machine("lab500") as machine:
-        for n in range(300):
-            seen.append(unit.step(demand(n)))
-            (state,) = machine.step([demand(n)])
-            ours.append((float(state["encnow"]), machine.joint(0)["angle"]))
+    """300 steps in the unit, and the same calls of the engine from Python."""
+    setup = load("lab500")
+    sim = machine(setup)
+    client = sim.open(mcdef.O_RDWR)
+    assert sim.configure(client, setup.driver(), setup.params) == (0, "")
+    begin, seen, ours = sim.time, [], []
+    for n in range(300):
+        seen.append(unit.step(demand(n)))
+        sim.write(client, [demand(n)])
+        assert sim.run(begin + n * STEP + STEP)
+        ours.append((float(sim.read(client)[0]["encnow"]), sim.true(0)["angle"]))
     assert seen == ours
     assert seen[140][0] > 380 and seen[-1][0] < -230, "it moves"
 
