@@ -130,9 +130,10 @@ test-icarus: $(VENV)/.test #: the cocotb regression on Icarus, with random runs 
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --share --sim icarus --seed $(SEED) cocotb_tests
 
-bench: $(VENV)/.test #: how fast it is, into docs/evidence/bench.md; BASE=commit: and against that one
+bench: $(VENV)/.test #: how fast it is, beside other simulators of its RTL, into docs/evidence/bench.md
+	@tools/need_debian.sh iverilog iverilog
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
-	@$(BIN)/python -m studies.bench $(BASE)
+	@$(BIN)/python -m studies.bench
 
 coverage: $(VENV)/.test ## line, branch and toggle coverage, every line in build/coverage/report.txt; ONLY=TEXT: of tests of that name
 	@$(BIN)/python tools/coverage.py $(if $(ONLY),--only "$(ONLY)")
@@ -240,7 +241,7 @@ test-netlist: $(VENV)/.test #: the synthesised netlists in the tests of the RTL,
 
 # --- checks and housekeeping ---------------------------------------------------------------
 
-C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'bridges/*.c' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.c' | grep -v mmcs_regs.h)
+C_FILES = $(shell git ls-files 'firmware/*.[ch]' 'bridges/*.c' 'sim/*.[ch]' 'sim/*.cpp' 'studies/*.cpp' | grep -v mmcs_regs.h)
 
 lint: $(VENV)/.lint $(VENV)/.tool ## Verilator, Verible, Yosys, clang-format, clang-tidy, ruff, ESLint, tsc; zero warnings
 	@tools/need_debian.sh iverilog iverilog
