@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the model asks of Verilator's run-time library: contexts, variables by name.
 
+#include <cstdarg>
+#include <cstdio>
+
 #include "board.h"
 
 #include "verilated.h"
 #include "verilated_sym_props.h"
 
 namespace mmcs {
+
+thread_local std::string printed;
 
 void ContextEnd::operator()(VerilatedContext *context) const {
   delete context;
@@ -37,3 +42,20 @@ Net find_net(const VerilatedContext &context, const std::string &scope, const st
 }
 
 }  // namespace mmcs
+
+// Verilator's runtime prints and stops through these; see print_hook.h.
+extern "C" int mmcs_model_print(const char *format, ...) {
+  char text[400];
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  mmcs::printed += text;
+  while (!mmcs::printed.empty() && mmcs::printed.back() == '\n') mmcs::printed.pop_back();
+  return length;
+}
+
+void vl_stop(const char *file, int line, const char *) {
+  if (mmcs::printed.empty()) mmcs::printed = std::string(file) + ":" + std::to_string(line);
+  Verilated::threadContextp()->gotError(true);
+}

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
@@ -27,8 +25,6 @@ const char *const kCheckers[] = {
 };
 // After a way back the bus checkers begin anew when the buses have been idle for so long.
 constexpr int kIdleClks = 16;
-// What the model prints and where it stopped, until the end of the run that caused it.
-thread_local std::string printed;
 
 // Of what Verilator says of a failed assertion: its name and its sentence.
 std::string sentence(const std::string &said) {
@@ -332,22 +328,3 @@ bool Plain::trace(const std::string &path) {
 }
 
 }  // namespace mmcs
-
-#if MMCS_ASSERTED
-// Verilator's runtime prints and stops through these; see print_hook.h.
-extern "C" int mmcs_model_print(const char *format, ...) {
-  char text[400];
-  va_list arguments;
-  va_start(arguments, format);
-  const int length = vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  mmcs::printed += text;
-  while (!mmcs::printed.empty() && mmcs::printed.back() == '\n') mmcs::printed.pop_back();
-  return length;
-}
-
-void vl_stop(const char *file, int line, const char *) {
-  if (mmcs::printed.empty()) mmcs::printed = std::string(file) + ":" + std::to_string(line);
-  Verilated::threadContextp()->gotError(true);
-}
-#endif
