@@ -261,23 +261,34 @@ def wasm(scenario: str) -> float:
 # --- the page ------------------------------------------------------------------------------------
 
 
-def rounds(count: int) -> dict[str, list[float]]:
+def simulators(count: int) -> dict[str, list[float]]:
     """name: a value of each round, or one."""
+    load = Load(*LOADS[TYPICAL])
+    versions = replay.build(make_setup(*LOADS[TYPICAL]))
+    found: dict[str, list[float]] = {}
+    for _ in range(count):
+        new = {TYPICAL: load.speed()}
+        for kind, version in versions.items():
+            speed = new[f"{kind} {version}, RTL alone"] = replay.speed(kind)
+            new[f"times as fast as {kind}"] = new[TYPICAL] / speed
+        for name, value in new.items():
+            found.setdefault(name, []).append(value)
+    return found
+
+
+def loads(count: int) -> dict[str, list[float]]:
+    """The same of the machine alone, under its loads."""
     found: dict[str, list[float]] = {}
     lockstep = LockStep()
     pages = shutil.which("node") and (BUILD / "web").is_dir()
     before = memory_mb()
-    loads = {TYPICAL: Load(*LOADS[TYPICAL])}
+    made = {TYPICAL: Load(*LOADS[TYPICAL])}
     found["memory of a machine of 3 cards"] = [memory_mb() - before]
-    found["hits of the model's cache"] = [loads[TYPICAL].hits]
-    loads |= {name: Load(*load) for name, load in LOADS.items() if name != TYPICAL}
-    others = replay.build(make_setup(*LOADS[TYPICAL]))
+    found["hits of the model's cache"] = [made[TYPICAL].hits]
+    made |= {name: Load(*load) for name, load in LOADS.items() if name != TYPICAL}
     for n in range(count):
         print(f"round {n + 1} of {count}", flush=True)
-        new = {name: load.speed() for name, load in loads.items()}
-        for kind, version in others.items():
-            speed = new[f"{kind} {version}, RTL alone"] = replay.speed(kind)
-            new[f"times as fast as {kind}"] = new[TYPICAL] / speed
+        new = {name: load.speed() for name, load in made.items()}
         new |= {f"CPU of `mmcs run {name}`":
                 mmcs_cpu("run", name, "--out", FOLDER / "run", good=(0, 1))
                 for name in STARTS}  # fmt: skip
@@ -293,7 +304,7 @@ def rounds(count: int) -> dict[str, list[float]]:
 
 
 def unit(name: str, value: float) -> str:
-    forms = {"CPU": "{:.3g} s", "campaign": "{:.3g} s", "build": "{:.3g} s", "times": "{:,.0f}",
+    forms = {"CPU": "{:.3g} s", "campaign,": "{:.3g} s", "build": "{:.3g} s", "times": "{:,.0f}",
              "memory": "{:.0f} MB", "hits": "{:.2f} %", "page": "{:.2f}",
              "six": "{:.2f}"}  # fmt: skip
     return forms.get(name.split(maxsplit=1)[0], "{:.3g}x").format(value)
@@ -318,18 +329,21 @@ def row(name: str, values: list[float]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=7)
-    count = parser.parse_args().rounds
+    parser.add_argument("--only", choices=("simulators", "loads"))
+    given = parser.parse_args()
     committed(MEASURED)
-    found = rounds(count)
-    (FOLDER / "bench.json").write_text(json.dumps(found, indent=1))
-    lines = [
-        f"{count} rounds, {len(os.sched_getaffinity(0))} cores.",
-        "",
-        "| load | this | least to greatest | wanted |",
-        "|---|---|---|---|",
-        *(row(name, values) for name, values in found.items()),
-    ]
-    rewrite(PAGE, "bench", "\n".join(lines), "make bench", MEASURED)
+    for measure in (simulators, loads):
+        if given.only not in (None, measure.__name__):
+            continue
+        found = measure(given.rounds)
+        lines = [
+            f"{given.rounds} rounds, {len(os.sched_getaffinity(0))} cores.",
+            "",
+            "| load | this | least to greatest | wanted |",
+            "|---|---|---|---|",
+            *(row(name, values) for name, values in found.items()),
+        ]
+        rewrite(PAGE, measure.__name__, "\n".join(lines), "make bench", MEASURED)
     print(PAGE.read_text())
     return 0
 
