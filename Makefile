@@ -131,7 +131,6 @@ test-icarus: $(VENV)/.test #: the cocotb regression on Icarus, with random runs 
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --share --sim icarus --seed $(SEED) cocotb_tests
 
 bench: $(VENV)/.test #: how fast it is, beside other simulators of its RTL, into docs/evidence/bench.md
-	@tools/need_debian.sh iverilog iverilog
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench
 

@@ -355,6 +355,9 @@ def test_friction_of_a_robot_file_is_that_of_sweeps(scenario):
         scenario(text, name)
         motors.append(load(str(scenario(GOOD.replace("lab500", name)))).motors())
     assert all(motor == motors[0] for motor in motors)
+    text = GOOD + "\n[[motor]]\nfriction = 0.3\nstiction_neg = 0.4\n"
+    motor = load(str(scenario(text))).motors()[0]
+    assert (motor["stiction_pos"], motor["stiction_neg"]) == (0.3, 0.4)
 
 
 # --- the command line --------------------------------------------------------------------------
@@ -428,7 +431,7 @@ TOLD = {
     "campaign --workers 0": "must be 1 to 256",
     "campaign --workers 1 --dask tcp://x": "not with --dask",
     "campaign arm_calibrate --set axis.all.ilimax=20": "stops by itself 0.044 s after it",
-    "campaign --resume --out /nowhere": "holds no campaign to go on with",
+    "campaign --resume --out /tmp": "holds no campaign to go on with",
     "campaign --stops": "wants a robot, or scenarios",
     "campaign --stops fault_estop": "nothing to stop: fault_estop: it has a [[event]]",
     "campaign --stops lab500 --sort pin": "goes with scenarios, a robot, --set,",

@@ -15,13 +15,13 @@ import os, sys
 import mmcs
 from mmcs import mcdef as mc
 dev, mon = mmcs.Device(), mmcs.Device(flags=os.O_RDONLY)
-par = dev.get_param(0)
+par, MINUS = dev.get_param(0), bytes([255] * 4)
 calls = [
     lambda: dev.set_num_joints(3), lambda: dev.set_interval(50), lambda: dev.get_param(7),
     lambda: dev.set_param(0, {**par, "b0": 0}), lambda: dev.set_param(0, {**par, "clkdivisor": 0}),
     lambda: dev.set_param(0, {**par, "clkdivisor": 60}),
     lambda: dev.set_param(0, {**par, "ipole": 1024}), lambda: dev.set_param(1, {**par, "ilim": -1}),
-    lambda: dev.set_encoder(9, 0), lambda: dev.set_leds(2, 1), lambda: dev.calibrate(5),
+    lambda: dev.set_encoder(9, 0), lambda: dev.set_leds(2, 1), lambda: dev.ioctl(mc.MCALIB, MINUS),
     lambda: dev.set_diag_mode(8), lambda: dev.write([1, 2, 3]), lambda: dev.ioctl(0x4D99),
     lambda: mon.enable(), lambda: mon.write([1]), lambda: mon.set_num_joints(1),
     lambda: dev.write_axis(2, 5), lambda: dev.end_calibration(3), lambda: mon.write_axis(0, 5),
@@ -49,7 +49,7 @@ MSETPARAM: axis 0: ipole 1024: must be 0 to 1023
 MSETPARAM: axis 1: ilim -1: must not be negative
 MSETENC: axis 9: must be 0 to 1
 MSETLED: axis 2: must be 0 to 1
-MCALIB: axis 5: must be 0 to 1
+MCALIB: axis -1: must be 0 to 1
 MDIAGMODE: 8: must be M_ANDIAG, M_ENDIAG, both or 0
 write: 12 bytes: must be 4 for each of at most 2 joints
 there is no request 0x00004d99

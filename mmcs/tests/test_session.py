@@ -134,6 +134,10 @@ def test_expectations_decide_the_status(mmcs, scenario, tmp_path):
     path = scenario(GOOD + EXPECT.format(rise="[40, 50]"))
     status, text, _ = mmcs("run", path, "--out", out, "--set", "axis.0.ilim=50")
     assert status == 1 and "FAILED  axis 0 rise in 40..50 ms: never" in text
+    down = GOOD + EXPECT.format(rise="[40, 50]").replace(
+        "final_counts = [1", "peak_error_counts = [1"
+    )
+    good(mmcs("run", scenario(down), "--out", out, "--set", "motion.0.to=-200"))
 
 
 def test_a_band_for_each_axis(mmcs, scenario, tmp_path):
