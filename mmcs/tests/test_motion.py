@@ -149,8 +149,8 @@ def test_the_buffer_is_bounded(library):
     assert [library.put(2.0 + n, 0.1, 0.0) for n in range(9)] == [0] * 9
     assert library.put(3.0, 0.1, 0.0) == errno.EINVAL  # earlier than the last
     library.begin()
-    assert [library.put(0.01 * n + 1, 0.1, 0.0) for n in range(57)] == [0] * 57
-    assert library.trapezoid((ctypes.c_double * 6)(*TO), 1.0) == 0  # the last seven
+    assert [library.put(0.01 * n + 1, 0.1, 0.0) for n in range(62)] == [0] * 62
+    assert library.quintic((ctypes.c_double * 6)(*TO), 1.0) == 0  # the last two
 
 
 def test_home_on_the_machine(tmp_path):

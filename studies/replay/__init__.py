@@ -86,7 +86,7 @@ def run(command: str) -> str:
 
 def build_icarus() -> None:
     write_includes()
-    run(f"iverilog -g2012 -DANSWER={ANSWER} -I{FOLDER} -s replay_tb -o {FOLDER}/replay.vvp "
+    run(f"iverilog -g2012 -I{FOLDER} -s replay_tb -o {FOLDER}/replay.vvp "
         f"{READ} {HERE}/replay_tb.sv")  # fmt: skip
 
 

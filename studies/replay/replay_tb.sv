@@ -20,8 +20,8 @@ module replay_tb;
       #62;
       while (found == 3 && at == t) begin
         case (field)
-          `ANSWER: expected = value[9:0];
 `include "cases.svh"
+          default: expected = value[9:0];
         endcase
         found = $fscanf(file, "%d %d %d", at, field, value);
       end

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`make bench`: its page has every row, and what it measures are the motions that it names."""
 
+import re
+import shutil
 import sys
 
 import pytest
@@ -18,8 +20,11 @@ def test_rows_are_medians_of_the_rounds():
     assert bench.row(name, [0.02]) == f"| {name} | 0.02 s |  | ≤ 0.65, aim 0.35 |"
 
 
+@pytest.mark.slow
 def test_an_answer_of_another_simulator_is_compared(tmp_path, monkeypatch):
-    """An encoder with one edge less is read otherwise, in Icarus and in each record's reader."""
+    """A record that lacks an answer is not what Icarus answers."""
+    if not shutil.which("iverilog"):
+        pytest.skip("iverilog is missing: sudo apt-get install iverilog")
     monkeypatch.setattr(replay, "FOLDER", tmp_path)
     monkeypatch.setattr(replay, "SIMULATED_S", {"Icarus": 0.001})
     replay.record(bench.make_setup(3, True, "typical"))
@@ -27,7 +32,8 @@ def test_an_answer_of_another_simulator_is_compared(tmp_path, monkeypatch):
     assert replay.speed("Icarus") > 0
     record = tmp_path / "record.txt"
     lines = record.read_text().splitlines()
-    wrong = next(n for n, line in enumerate(lines) if line.endswith(f" {replay.ANSWER} 512"))
+    later = (n for n, line in enumerate(lines) if re.match(rf"[1-9]\d* {replay.ANSWER} ", line))
+    wrong = next(later)
     record.write_text("\n".join([*lines[:wrong], *lines[wrong + 1 :]]))
     with pytest.raises(SystemExit, match="Icarus has other answers at"):
         replay.speed("Icarus")
