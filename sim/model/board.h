@@ -19,8 +19,7 @@ struct ContextEnd {
 };
 using Context = std::unique_ptr<VerilatedContext, ContextEnd>;
 Context create_context(uint64_t seed);
-void use(const Context &context);         // in this thread, for all models that are made or run
-extern thread_local std::string printed;  // by models of this thread, or where they stopped
+void use(const Context &context);  // in this thread, for all models that are made or run
 
 // A variable of a model, as long as a machine word at most.
 struct Net {

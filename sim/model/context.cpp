@@ -11,7 +11,7 @@
 
 namespace mmcs {
 
-thread_local std::string printed;
+thread_local std::string printed;  // by models of this thread, or where they stopped; plain.cpp's
 
 void ContextEnd::operator()(VerilatedContext *context) const {
   delete context;

@@ -14,6 +14,7 @@
 namespace mmcs {
 
 std::unique_ptr<Board> create_Vmmcs(VerilatedContext &, const std::string &);
+extern thread_local std::string printed;
 
 namespace {
 

@@ -59,8 +59,45 @@ def record(setup) -> None:
     (FOLDER / "record.txt").write_text(text)
 
 
+TESTBENCH = """// as replay.cpp, for Icarus: +record=FILE +last=CLOCK
+`timescale 1ns / 1ps
+module replay_tb;
+  logic clk_i = 0;
+`include "signals.svh"
+  mmcs #(.NumCards(3)) dut (.*);
+
+  integer file, found, t, at, field, last, other = 0;
+  logic [31:0] value;
+  logic [9:0] expected = 0;
+  string name;
+
+  initial begin
+    found = $value$plusargs("record=%s", name) + $value$plusargs("last=%d", last);
+    file = $fopen(name, "r");
+    found = $fscanf(file, "%d %d %d", at, field, value);
+    for (t = at; t < last; t = t + 1) begin
+      clk_i = 1;
+      #62;
+      while (found == 3 && at == t) begin
+        case (field)
+`include "cases.svh"
+          default: expected = value[9:0];
+        endcase
+        found = $fscanf(file, "%d %d %d", at, field, value);
+      end
+      clk_i = 0;
+      #63;
+      if (t >= 0 && {vme_dtack_no, vme_d_oe_o, vme_d_o[7:0]} !== expected) other = other + 1;
+    end
+    $display("%0d", other);
+    $finish;
+  end
+endmodule
+"""
+
+
 def write_includes() -> None:
-    """What replay.cpp and replay_tb.sv know of the ports."""
+    """What replay.cpp and the testbench know of the ports."""
     rows = [f"FIELD({number}, PORT({port.replace('_', '__')}, {port}), {lsb}, {width})\n"
             for number, (_, port, lsb, width) in enumerate(FIELDS)]  # fmt: skip
     (FOLDER / "fields.inc").write_text("".join(rows))
@@ -72,6 +109,7 @@ def write_includes() -> None:
     cases = [f"{number}: {port}{f'[{lsb} +: {width}]' if port in CARD else ''} = value;\n"
              for number, (_, port, lsb, width) in enumerate(FIELDS)]  # fmt: skip
     (FOLDER / "cases.svh").write_text("".join(cases))
+    (FOLDER / "replay_tb.sv").write_text(TESTBENCH)
 
 
 def run(command: str) -> str:
@@ -87,7 +125,7 @@ def run(command: str) -> str:
 def build_icarus() -> None:
     write_includes()
     run(f"iverilog -g2012 -I{FOLDER} -s replay_tb -o {FOLDER}/replay.vvp "
-        f"{READ} {HERE}/replay_tb.sv")  # fmt: skip
+        f"{READ} {FOLDER}/replay_tb.sv")  # fmt: skip
 
 
 def build(setup) -> dict[str, str]:
