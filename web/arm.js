@@ -18,6 +18,8 @@ const HAND = [[0, 0, 0.09], [0.04, 0, 0.09], [0.04, 0, 0.15], [0.04, 0, 0.09], [
 ]]; // m
 const NEAR_PX = 14; // of a link's line, where it is taken by hand
 const WITHIN = 0.85; // of half the picture: the rest is for the thickness of tubes
+const STOPS_M = 0.16; // radius of the sector from stop to stop
+const STOPS = 24; // chords of it
 const BY_PX = Math.PI / 400; // rad that a joint turns for a pixel
 
 const multiply = (a, b) =>
@@ -42,6 +44,17 @@ export function frames(links, angles) {
   const ofHand = ([x, y, z]) =>
     [0, 4, 8].map((row) => at[row] * x + at[row + 1] * y + at[row + 2] * z + at[row + 3]);
   return [...places, ...HAND.map(ofHand)];
+}
+
+/** The sector in which a joint may turn, m: its centre, then an arc from stop to stop about its axis, then
+ * where it stands; none without stops. angles: rad. */
+export function sector(links, angles, joint, { stop_lo: low, stop_hi: high }) {
+  const at = (angle, a) =>
+    frames([...links.slice(0, joint), { ...links[joint], a, alpha: 0 }], [...angles.slice(0, joint),
+      angle])[2 * joint + 2];
+  const arc = Array.from({ length: STOPS + 1 },
+    (_, k) => at(low + ((high - low) * k) / STOPS, STOPS_M));
+  return low < high ? [at(0, 0), ...arc, at(angles[joint], STOPS_M)] : [];
 }
 
 /** Joint angle, rad, of a count. The counter is 0 where the joint stood at power-on. */
@@ -75,6 +88,7 @@ export class Arm {
   again() {
     this.#drawn = "";
     this.#colours = null;
+    this.draw();
   }
 
   #listen() {
@@ -101,9 +115,8 @@ export class Arm {
       this.draw();
     });
     this.element.addEventListener("keydown", (event) => {
-      const by =
-        { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1],
-          ArrowDown: [0, -0.1] }[event.key];
+      const sides = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0] };
+      const by = { ...sides, ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
       if (!by) return;
       event.preventDefault();
       move(...by);
@@ -146,7 +159,7 @@ export class Arm {
     const { motors, canvas } = this;
     const { history } = this.page.machine;
     this.row = row;
-    if (!motors || row === undefined || row < history.first) return;
+    if (!motors || !(row >= history.first && row < history.end)) return;
     const counts = (field) => motors.map((_, n) => history.value(row, history.column(n, field)));
     const [now, told] = [counts("encnow"), counts("demand")];
     const { clientWidth: width, clientHeight: height } = canvas;
@@ -201,24 +214,20 @@ export class Arm {
       points.map(see).forEach(({ x, y }) => pen.lineTo(x, y));
       pen.stroke();
     };
-    for (let n = -4; n <= 4; n++) {
-      for (const points of [[[n / 4, -1, FLOOR_M], [n / 4, 1, FLOOR_M]], [[-1, n / 4, FLOOR_M], [1,
-        n / 4, FLOOR_M]]])
-      {
-        line(points, this.#colour("--line"), 1);
-      }
+    for (let at = -1; at <= 1; at += 0.25) {
+      line([[at, -1, FLOOR_M], [at, 1, FLOOR_M]], this.#colour("--line"), 1);
+      line([[-1, at, FLOOR_M], [1, at, FLOOR_M]], this.#colour("--line"), 1);
     }
     line(places.map(([x, y]) => [x, y, FLOOR_M]), this.#colour("--shade"), 9); // its shadow
-    const tubes = [{ from: [0, 0, FLOOR_M], to: [0, 0, 0], r: TUBE_M * 1.5 }];
+    const tubes = [{ joint: -1, from: [0, 0, FLOOR_M], to: [0, 0, 0], r: TUBE_M * 1.5 }];
     for (let n = 1; n < places.length; n++) {
       const [from, to] = [places[n - 1], places[n]];
       const joint = Math.min((n - 1) >> 1, this.links.length - 1);
       if (Math.hypot(...from.map((v, k) => v - to[k])) > 1e-4)
         tubes.push({ joint, from, to, r: TUBE_M * (1.15 - (0.95 * n) / places.length) });
     }
-    this.seen = tubes.slice(1).map(({ joint, from, to }) => ({ joint, from: see(from),
-      to: see(to) })
-    );
+    const onScreen = ({ joint, from, to }) => ({ joint, from: see(from), to: see(to) });
+    this.seen = tubes.slice(1).map(onScreen);
     const depth = ({ from, to }) => see(from.map((v, k) => (v + to[k]) / 2)).depth;
     for (const { joint, from, to, r } of tubes.sort((a, b) => depth(b) - depth(a))) {
       const thick = 2 * r * see(from).scale;
@@ -228,6 +237,12 @@ export class Arm {
       this.#joint(pen, see(to), r * 0.9);
     }
     line(wanted, this.#colour("--told"), 2, [5, 4]);
+    const { axis } = this.page;
+    const [centre, ...arc] = this.links[axis] ? sector(this.links, angles, axis, this.motors[axis])
+      : [];
+    if (!centre) return;
+    line([centre, ...arc.slice(0, -1), centre], this.#colour("--ink"), 1);
+    line([centre, arc.at(-1)], this.#colour("--ink"), 2);
   }
 
   #joint(pen, { x, y, scale }, r) {

@@ -162,24 +162,26 @@ export class Axis {
     if (!Number.isInteger(whole) || whole < INT_MIN || whole > INT_MAX)
       throw new Error(`"${text}" is no setpoint`);
     const top = Math.abs(whole);
-    if (this.mode === "torq" && top > param.ilim) {
+    const { ilim, plo, phi } = param;
+    if (this.mode === "torq" && top > ilim) {
       throw new Error(
-        `${top} D/A units are more than ilim, ${param.ilim}: raise it under "Every parameter"`,
+        `${top} D/A units are more than ilim, ${ilim}: raise it in "Every parameter"`,
       );
     }
-    if (this.mode === "pos" && isBounded(param) && (whole < param.plo || whole > param.phi)) {
-      throw new Error(
-        `${whole} counts are beyond the limits plo and phi, ${param.plo} to ${param.phi}`,
-      );
-    }
+    if (this.mode === "pos" && isBounded(param) && (whole < plo || whole > phi))
+      throw new Error(`${whole} counts are beyond the limits plo and phi, ${plo} to ${phi}`);
     return this.setSetpoint(whole);
   }
 
   setSetpoint(value) {
-    if (this.#square) this.#square.amplitude = value;
-    else if (this.mode === "diag") return this.#putOut(value);
-    else return this.machine.setSetpoint(this.number, value);
+    if (!this.#square) return this.#put(value);
+    this.#square.amplitude = value;
     return undefined;
+  }
+
+  #put(value) {
+    return this.mode === "diag" ? this.#putOut(value)
+      : this.machine.setSetpoint(this.number, value);
   }
 
   /** Moves the setpoint by so many hundredths of its range, from where it is. */
@@ -198,9 +200,6 @@ export class Axis {
     const sign = Math.floor((t * 1000) / SQUARE_MS) % 2 ? -1 : 1;
     if (sign === square.sign) return;
     square.sign = sign;
-    const value = square.centre + sign * square.amplitude;
-    machine.try(
-      this.mode === "diag" ? this.#putOut(value) : machine.setSetpoint(this.number, value),
-    );
+    machine.try(this.#put(square.centre + sign * square.amplitude));
   }
 }

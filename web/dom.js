@@ -69,19 +69,6 @@ export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Calls f at most once per frame however often the result is called. */
-export function perFrame(f) {
-  let asked = false;
-  return () => {
-    if (asked) return;
-    asked = true;
-    requestAnimationFrame(() => {
-      asked = false;
-      f();
-    });
-  };
-}
-
 const CLICK_PX = 4;
 
 /** Fingers and buttons on an element: one carries, pan(from, to); two stretch, zoom(factor, about); one that

@@ -38,9 +38,8 @@ export function labsView(page) {
   const marks = el("table", { hidden: true, id: "lab-marks" },
     el("thead", {},
       el("tr", {}, ...["question", "points", "why"].map((head) => el("th", {}, head)))), rows);
-  const check = button("lab-check", "Check", grade, {
-    title: "runs the sheet's scenarios with your answers",
-  });
+  const check = button("lab-check", "Check", grade);
+  check.title = "runs the sheet's scenarios with your answers";
   const save = button("lab-save", "Save answer.toml",
     () => download("answer.toml", answer(), "text/plain"));
   const commands = el("p", { id: "lab-commands" });
@@ -101,13 +100,10 @@ export function labsView(page) {
         answer: answer() });
       if (sheet !== graded) return;
       setText(said, `${points} of ${of} points`);
-      rows.replaceChildren(
-        ...found.map((mark) =>
-          el("tr", { className: mark.points ? "good" : "bad" }, el("th", {}, mark.key),
-            el("td", {}, `${mark.points ? "✓" : "✗"} ${mark.points} of ${mark.of}`),
-            el("td", {}, mark.why))
-        ),
-      );
+      const row = ({ key, points: got, of: most, why }) =>
+        el("tr", { className: got ? "good" : "bad" }, el("th", {}, key),
+          el("td", {}, `${got ? "✓" : "✗"} ${got} of ${most}`), el("td", {}, why));
+      rows.replaceChildren(...found.map(row));
       marks.hidden = false;
       marks.scrollIntoView({ block: "nearest" });
     } catch ({ message }) {
@@ -123,11 +119,8 @@ export function labsView(page) {
     if (list.options.length) return;
     try {
       const { sheets } = await ask("sheets");
-      list.append(
-        ...sheets.map(({ number, title }) =>
-          el("option", { value: number, textContent: `${number} ${title}` })
-        ),
-      );
+      for (const { number, title } of sheets)
+        list.append(el("option", { value: number, textContent: `${number} ${title}` }));
       await open();
     } catch ({ message }) {
       setText(said, message);

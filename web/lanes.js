@@ -11,6 +11,8 @@ const DASHES = [[], [8, 3], [2, 2], [8, 3, 2, 3]];
 const LANES = { encnow: "position", setpoint: "position", demand: "position", fbnow: "position",
   error: "error", vel: "velocity", current: "current", inow: "current", adcvai: "A/D",
   errcode: "errors" };
+const WORDS = { encnow: "count", fbnow: "feedback", inow: "reported current", adcvai: "A/D",
+  vel: "velocity", errcode: "errors" };
 const QUANTITIES = { position: "position", error: "position", current: "current" };
 const WHOLE = Array.from({ length: 10 }, (_, n) => [1, 2, 5].map((step) => step * 10 ** n)).flat();
 const BOTTOM = 34; // of the time axis
@@ -18,6 +20,8 @@ const LEAST = 46; // height of a lane
 
 export const style = (n) => ({ stroke: COLOURS[n % COLOURS.length],
   dash: DASHES[Math.floor(n / COLOURS.length) % DASHES.length] });
+/** What people call a field of a sample. */
+export const wordOf = (field) => WORDS[field] ?? field;
 /** What a field is measured in, for units.js; "" for none. */
 export const quantityOf = (field) => QUANTITIES[LANES[field]] ?? "";
 
@@ -57,10 +61,9 @@ export class Lanes {
   set(series) {
     this.series = series;
     for (const plot of this.#plots) plot.destroy();
-    const names = [...new Set(series.map(({ channel }) => LANES[channel.field] ?? channel.field))];
-    this.#lanes = names.map((name) =>
-      series.filter(({ channel }) => (LANES[channel.field] ?? channel.field) === name)
-    );
+    const laneOf = ({ channel: { field } }) => LANES[field] ?? field;
+    const names = [...new Set(series.map(laneOf))];
+    this.#lanes = names.map((name) => series.filter((one) => laneOf(one) === name));
     this.#plots = this.#lanes.map((lane, n) => this.#plot(names[n], lane, n === names.length - 1));
     this.#size = "";
     this.#fit();
@@ -98,11 +101,9 @@ export class Lanes {
 
   #select(u) {
     if (u.select.width < 4) return;
-    const [from, to] = [u.select.left, u.select.left + u.select.width].map((x) =>
-      u.posToVal(x, "x")
-    );
+    const { left, width } = u.select;
     u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
-    this.zoom(from, to);
+    this.zoom(u.posToVal(left, "x"), u.posToVal(left + width, "x"));
   }
 
   #fit() {

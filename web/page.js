@@ -100,9 +100,8 @@ export class Page extends EventTarget {
   modeWord(axis) {
     const now = this.machine.driver.params[axis].mode;
     if (!this.past) return now;
-    const changes = this.machine.messages.filter((one) =>
-      one.kind === "mode" && one.axis === axis && !one.left
-    );
+    const isOwn = (one) => one.kind === "mode" && one.axis === axis && !one.left;
+    const changes = this.machine.messages.filter(isOwn);
     const last = changes.findLast(({ t }) => t <= this.moment);
     return last ? last.value : changes.length ? 0 : now;
   }

@@ -11,8 +11,8 @@ const FEEDBACKS = [["encoder", "Encoder"], ["ad", "A/D"], ["zero", "None"]];
 
 /** The chosen axis; under SunView all of them. */
 export const panels = (page) =>
-  page.axes.filter((axis) => axis.param && (page.all || axis.number === page.axis)).map((axis) =>
-    panel(page, axis)
+  page.axes.map((axis) =>
+    axis.param && (page.all || axis.number === page.axis) && panel(page, axis)
   );
 
 function panel(page, axis) {
@@ -89,11 +89,9 @@ function note(page, { number, param, mode }) {
     said.push("The past: setpoint, counts and current of that moment; gains and mode of now.");
   if (about.servo && !about.motors[number])
     said.push("No motor is connected to this axis: it will not move.");
-  if (mode === "test1" && (param.mode & MODE_MASK) === MODES.test1) {
-    said.push(
-      `A triangle of ±${param.ilim} D/A units, one unit a sample (chapter 3 of the report calls it a sawtooth).`,
-    );
-  }
+  const report = "chapter 3 of the report calls it a sawtooth";
+  if (mode === "test1" && (param.mode & MODE_MASK) === MODES.test1)
+    said.push(`A triangle of ±${param.ilim} D/A units, one unit a sample (${report}).`);
   return h("p", { class: "note" }, said.join(" "));
 }
 

@@ -2,7 +2,7 @@
 // The scope: every sample of any field of any axis; roll and trigger, cursors, zoom, recordings.
 
 import { button, choice, colour, el, labelled, parseNumber, setText } from "./dom.js";
-import { Lanes, quantityOf, style } from "./lanes.js";
+import { Lanes, quantityOf, style, wordOf } from "./lanes.js";
 import { recordings } from "./scope_files.js";
 import { findTrigger } from "./trigger.js";
 
@@ -43,7 +43,7 @@ export class Scope {
   #build() {
     const { hello } = this.page.machine;
     const axes = Array.from({ length: hello.axes }, (_, n) => [n, `axis ${n}`]);
-    const fields = hello.sample.fields.map((name) => [name, name]);
+    const fields = hello.sample.fields.map((name) => [name, wordOf(name)]);
     this.window = choice(WINDOWS.map((s) => [s, `${s} s`]), { id: "scope-window",
       onchange: () => this.roll() });
     this.window.value = "2";
@@ -125,7 +125,7 @@ export class Scope {
   #put(axis, field) {
     if (this.channels.some((c) => c.axis === axis && c.field === field)) return;
     const channel = { axis, field, on: true, value: null, ...style(this.channels.length) };
-    const name = `${field} ${axis}`;
+    const name = `${wordOf(field)} ${axis}`;
     const box = el("input", { type: "checkbox", checked: true, "aria-label": `show ${name}`,
       onchange: () => {
         channel.on = box.checked;
@@ -229,17 +229,16 @@ export class Scope {
   #series() {
     const { history } = this.page.machine;
     const shown = this.channels.filter((c) => c.on);
-    const sources = [{ source: history, shift: 0, prefix: "", overlay: false },
-      ...this.overlays.map(({ recording, shift }) => ({ source: recording, shift,
-        prefix: `${recording.name}: `, overlay: true })
-      )];
-    return sources.flatMap(({ source, shift, prefix, overlay }) =>
-      shown.filter(({ axis, field }) =>
-        !overlay || (axis < source.axes && source.fields.includes(field))
-      ).map((channel) => ({ source, shift, channel, overlay,
-        name: `${prefix}${channel.field} ${channel.axis}` })
-      )
+    const series = (source, shift, prefix, overlay) => {
+      const has = ({ axis, field }) => axis < source.axes && source.fields.includes(field);
+      const name = ({ axis, field }) => `${prefix}${wordOf(field)} ${axis}`;
+      const one = (channel) => ({ source, shift, channel, overlay, name: name(channel) });
+      return shown.filter((channel) => !overlay || has(channel)).map(one);
+    };
+    const laid = this.overlays.map(({ recording: own, shift }) =>
+      series(own, shift, `${own.name}: `, true)
     );
+    return [...series(history, 0, "", false), ...laid.flat()];
   }
 
   /** The numbers. */

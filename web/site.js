@@ -6,8 +6,7 @@
 // whole record, packed, is run again.
 
 import { run } from "./app.js";
-import { askedNumber, button, byId, choice, download, el, labelled, parseInteger,
-  setText } from "./dom.js";
+import { askedNumber, button, byId, choice, download, el, labelled, parseInteger } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { pack, readRecord, setupOf, unpack } from "./engine/record.js";
@@ -74,11 +73,8 @@ const scenario = choice([], { id: "scenario", "aria-label": "scenario",
   onchange: () => go({ scenario: scenario.value }) });
 for (const folder of new Set(scenarios.map((s) => s.folder))) {
   const own = scenarios.filter((s) => s.folder === folder);
-  scenario.append(
-    el("optgroup", { label: folder }, ...own.map((s) =>
-      el("option", { value: s.name, textContent: s.name, title: s.description })
-    )),
-  );
+  const option = (s) => el("option", { value: s.name, textContent: s.name, title: s.description });
+  scenario.append(el("optgroup", { label: folder }, ...own.map(option)));
 }
 const seed = el("input", { id: "seed", type: "text", size: 5, inputMode: "numeric",
   onchange: () => go({ seed: seed.value }) });
@@ -97,18 +93,16 @@ const permalink = el("a", { id: "permalink", textContent: "link",
 const progress = el("output", { id: "progress" });
 const hash = el("output", { id: "hash",
   title: "digest of every sample and of the hardware at the end" });
-const record = button("record", "Save record", () => worker.postMessage({ record: "record" }), {
-  disabled: true,
-  title: "run.mmcs, for `mmcs replay`",
-});
-const log = button("log", "Save log", () => worker.postMessage({ record: "csv" }), {
-  disabled: true,
-});
+const post = (wanted) => () => worker.postMessage({ record: wanted });
+const [record, log] = [
+  button("record", "Save record", post("record"), { title: "run.mmcs, for `mmcs replay`" }),
+  button("log", "Save log", post("csv")),
+];
+record.disabled = log.disabled = true;
 const file = el("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
-  onchange: async () => {
-    await keep(await file.files[0].text()).then(() => location.reload(),
-      ({ message }) => fail(message));
-  } });
+  onchange: async () =>
+    keep(await file.files[0].text()).then(() => location.reload(),
+      ({ message }) => fail(message)) });
 const open = button("", "Replay a record", () => file.click());
 byId("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), rerun, alone,
   permalink, record, log, open, file, progress, hash);
@@ -116,7 +110,7 @@ byId("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), rer
 function show(told) {
   const { playing, reached, duration, speed, recorded, spoiled } = told;
   const now = playing ? `${reached.toFixed(2)} of ${duration} s` : told.hash ? "motion done" : "";
-  setText(progress, `${now}${speed ? `, ${speed.toFixed(1)} × real time is possible` : ""}`);
+  progress.textContent = `${now}${speed ? `, ${speed.toFixed(1)} × real time is possible` : ""}`;
   record.disabled = !recorded;
   log.disabled = !told.hash;
   if (!told.hash) return;
@@ -124,7 +118,7 @@ function show(told) {
     : told.hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`;
   const by = expected === null || told.build === expected.build ? ""
     : ` by build ${expected.build}, this is ${told.build}`;
-  setText(hash, spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}${by}`);
+  hash.textContent = spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}${by}`;
   document.body.dataset.hash = told.hash;
   document.body.dataset.speed = speed;
 }
@@ -146,25 +140,18 @@ function repeatMotion(page) {
   const again = async () => {
     const { history, enabled, controls } = machine;
     const axes = page.axes.filter(({ param }) => param);
-    if (asks || !document.body.dataset.hash || !enabled || !controls
-      || axes.some(({ mode }) => mode !== "pos"))
-    {
-      return;
-    }
+    const over = document.body.dataset.hash && axes.every(({ mode }) => mode === "pos");
+    if (asks || !over || !enabled || !controls) return;
     if (began === null) [began, last] = [history.now, axes.map(({ setpoint }) => setpoint)];
     const share = (1 - Math.cos((2 * Math.PI * (history.now - began)) / TO_AND_FRO_S)) / 2;
     asks = true;
-    await machine.try(
-      Promise.all(axes.map((axis, n) => axis.setSetpoint(Math.round(last[n] * (1 - share))))),
-    );
+    const back = axes.map((axis, n) => axis.setSetpoint(Math.round(last[n] * (1 - share))));
+    await machine.try(Promise.all(back));
     asks = false;
   };
   machine.addEventListener("samples", again);
-  for (const type of TOUCHES) {
-    document.addEventListener(type, () => machine.removeEventListener("samples", again), {
-      capture: true,
-    });
-  }
+  const end = () => machine.removeEventListener("samples", again);
+  for (const type of TOUCHES) document.addEventListener(type, end, { capture: true });
 }
 
 /** STOP has a way of its own to the Worker: it works while this page's stream floods. */

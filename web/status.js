@@ -115,73 +115,67 @@ export function stuckAxis({ history, driver }, motors) {
 }
 
 /** {kind, cause, next, offer, before}: kind is bad, warn, good, rest or past; offer: the robot's gains
- * would help; before: s, going back to there would. now: ms of this page. */
+ * would help; before: s, going back to there would. now: ms of this page.
+ * @returns {{kind: string, cause: string, next: string, offer?: boolean, before?: number}} */
 export function condition(page, now) {
   const { machine } = page;
-  const { history, powerEnd } = machine;
+  const { history, powerEnd, driver, paused, controls } = machine;
+  const say = (kind, cause, next, more = {}) => ({ kind, cause, next, ...more });
   if (!machine.connected) {
-    return { kind: "bad", cause: "Not connected to the machine.",
-      next: "A page that controlled it has stopped it by its end. Trying again every second." };
+    return say("bad", "Not connected to the machine.",
+      "A page that controlled it has stopped it by its end. Trying again every second.");
   }
   if (!machine.stopPath) {
-    return { kind: "bad", cause: "No STOP: its frame is not connected.",
-      next: "Control waits for it. Load the page by the address that mmcs tool printed." };
+    return say("bad", "No STOP: its frame is not connected.",
+      "Control waits for it. Load the page by the address that mmcs tool printed.");
   }
-  if (history.end === history.first) {
-    return { kind: "rest", cause: "No sample yet.",
-      next: "Time passes while somebody has the device open." };
-  }
+  if (history.end === history.first)
+    return say("rest", "No sample yet.", "Time passes while somebody has the device open.");
   if (page.past) return pastOf(page);
   const missing = lacks(machine);
-  const bare = machine.controls
-    && machine.driver.params.some((param, n) => isInitial(param) && page.differs(n));
+  const offer = controls && driver.params.some((param, n) => isInitial(param) && page.differs(n));
   const next = missing.length ? `Enable lacks ${missing.join("; ")}.`
     : "Enable (E, then Enter) drives and opens the brakes.";
   const frozen = now - machine.heard;
-  if (!machine.paused && frozen > FROZEN_MS) {
+  if (!paused && frozen > FROZEN_MS) {
     const fault = faultThatEnded(machine);
     const cause = `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`;
-    if (fault && takesSamples(machine)) {
-      return { kind: "bad", cause: `${cause} Since ${fault.t.toFixed(3)} s: ${fault.text}.`,
-        next:
-          "The driver takes no samples since then. Go back before it, or start the machine again.",
-        before: fault.t - BEFORE_S };
+    if (!takesSamples(machine)) return say("bad", cause, next);
+    if (!fault) {
+      return say("bad", cause,
+        "The computer may be too busy, or the server hangs; STOP has a way of its own.");
     }
-    return { kind: "bad", cause,
-      next: takesSamples(machine)
-        ? "The computer may be too busy, or the server hangs; STOP has a way of its own." : next };
+    return say("bad", `${cause} Since ${fault.t.toFixed(3)} s: ${fault.text}.`,
+      "The driver takes no samples since then. Go back before it, or start the machine again.", {
+      before: fault.t - BEFORE_S,
+    });
   }
   const lines = history.value(history.end - 1, history.linesColumn);
   if (lines & LINES.enabled) {
-    if (lines & LINES.panic) {
-      return { kind: "bad", cause: `PANIC: ${panicCauses(machine).join("; ") || "cause unknown"}.`,
-        next: "Brakes hold. Mend the cause, then Enable." };
-    }
+    const causes = panicCauses(machine).join("; ") || "cause unknown";
+    if (lines & LINES.panic)
+      return say("bad", `PANIC: ${causes}.`, "Brakes hold. Mend the cause, then Enable.");
     const errors = Array.from({ length: history.axes }, (_, n) => history.latest(n).errcode & 0xff);
     const at = errors.findIndex(Boolean);
     if (at >= 0) {
-      return { kind: "warn", cause: `Servo on; axis ${at}: ${errorWords(errors[at])}.`,
-        next: "Clear errors once it is seen to." };
+      return say("warn", `Servo on; axis ${at}: ${errorWords(errors[at])}.`,
+        "Clear errors once it is seen to.");
     }
     const stuck = stuckAxis(machine, page.about.motors);
-    if (stuck) {
-      const { axis, pushes, holds, mode } = stuck;
-      const advice = mode === MODES.torq ? "Ask for more torque."
-        : "Raise P, take the robot's gains, or tune.";
-      return { kind: "warn",
-        cause: `Servo on; axis ${axis} pushes ${pushes} D/A units, friction holds about ${
-          Number(holds.toPrecision(2))
-        }.`, next: `${advice} Space or Escape stops.`,
-        offer: mode !== MODES.torq && page.differs(axis) };
+    const ends = "Space or Escape stops.";
+    if (!stuck) {
+      return say("good", "Servo on, brakes off.",
+        `${ends}${paused && controls ? " Time is paused: Run on." : ""}`, { offer });
     }
-    const tail = machine.paused && machine.controls ? " Time is paused: Run on." : "";
-    return { kind: "good", cause: "Servo on, brakes off.", next: `Space or Escape stops.${tail}`,
-      offer: bare };
+    const { axis, pushes, holds, mode } = stuck;
+    const torque = mode === MODES.torq;
+    const friction = `friction holds about ${Number(holds.toPrecision(2))}`;
+    return say("warn", `Servo on; axis ${axis} pushes ${pushes} D/A units, ${friction}.`,
+      `${torque ? "Ask for more torque." : "Raise P, take the robot's gains, or tune."} ${ends}`, {
+      offer: !torque && page.differs(axis),
+    });
   }
-  if (powerEnd !== null) {
-    const why = causeOf(machine.messages.slice(-RECENT).filter(({ left }) => !left), powerEnd);
-    return { kind: "warn", cause: `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next,
-      offer: bare };
-  }
-  return { kind: "rest", cause: "At rest, brakes on.", next, offer: bare };
+  if (powerEnd === null) return say("rest", "At rest, brakes on.", next, { offer });
+  const why = causeOf(machine.messages.slice(-RECENT).filter(({ left }) => !left), powerEnd);
+  return say("warn", `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next, { offer });
 }

@@ -30,15 +30,11 @@ export function tuneView(page) {
 
   /** What was typed into some of the fields, by name; null, and a line, if one is no number. */
   function typed(fields) {
-    for (const field of Object.values(fields)) {
-      if (parseNumber(field.value) === null) {
-        machine.say("error", `${field.getAttribute("aria-label")}: "${field.value}" is no number`);
-        return null;
-      }
-    }
-    return Object.fromEntries(
-      Object.entries(fields).map(([name, { value }]) => [name, parseNumber(value)]),
-    );
+    const values = Object.entries(fields).map(([name, { value }]) => [name, parseNumber(value)]);
+    const bad = fields[values.find(([, value]) => value === null)?.[0]];
+    if (!bad) return Object.fromEntries(values);
+    machine.say("error", `${bad.getAttribute("aria-label")}: "${bad.value}" is no number`);
+    return null;
   }
 
   async function experiment(op, args) {
@@ -72,14 +68,15 @@ export function tuneView(page) {
     save.hidden = false;
     judged(done.fine,
       `${done.verdict}${done.fine ? "" : " The axis has its old parameters again."}`);
+    const [coulomb, pid] = [
+      [motor.tc_pos, motor.tc_neg, done.break_away].map((units) => units.toFixed(0)),
+      [gains.p.toFixed(2), gains.i.toFixed(1), gains.d.toFixed(3), (gains.tau * 1000).toFixed(2)],
+    ];
     table({ ...figures(step, predicted), "g, counts/s² per D/A unit": motor.g.toFixed(2),
       "viscous, 1/s": motor.lag.toFixed(2),
-      "Coulomb +/−, break-away, D/A units": `${motor.tc_pos.toFixed(0)} / ${
-        motor.tc_neg.toFixed(0)
-      }, ${done.break_away.toFixed(0)}`, "fit of the motion": motor.fit.toFixed(3),
-      "P, I, D, filter": `${gains.p.toFixed(2)}, ${gains.i.toFixed(1)}, ${gains.d.toFixed(3)}, ${
-        (gains.tau * 1000).toFixed(2)
-      } ms`, "phase margin": `${margins.phase_deg.toFixed(0)}°` });
+      "Coulomb +, −, break-away, D/A units": coulomb.join(", "),
+      "fit of the motion": motor.fit.toFixed(3), "P, I, D, filter in ms": pid.join(", "),
+      "phase margin": `${margins.phase_deg.toFixed(0)}°` });
     plots.replaceChildren();
     beside(step, predicted);
   }
@@ -145,16 +142,22 @@ export function tuneView(page) {
     return machine.try(advice.request("predict", asked));
   }
 
-  /** The measured step and the predicted one, limit and friction in it. */
-  function beside(measured, predicted) {
-    const tables = [[measured.t, measured.y]];
-    const series = [{ label: "measured", stroke: colour("--c0") }];
-    if (predicted) {
-      tables.push([predicted.t, predicted.y]);
-      series.push({ label: "predicted", stroke: colour("--c1"), dash: [6, 3] });
-    }
-    draw(plots, "counts", uPlot.join(tables), series);
+  /** Curves [x, y]: what was measured and, where the motor is known, what was to be expected. */
+  function plot(unit, measured, expected, logarithmic = false) {
+    const look = { stroke: colour("--soft"), grid: { stroke: colour("--shade") },
+      ticks: { stroke: colour("--shade") } };
+    const series = [{ label: "measured", stroke: colour("--c0"), points: { show: logarithmic },
+      spanGaps: true }];
+    const model = { label: "predicted", stroke: colour("--c1"), dash: [6, 3], spanGaps: true };
+    new uPlot({ width: plots.clientWidth || 500, height: 220,
+      series: [{}, ...series, ...(expected ? [model] : [])],
+      scales: { x: { time: false, distr: logarithmic ? 3 : 1 } },
+      axes: [{ ...look, label: logarithmic ? "Hz" : "s" }, { ...look, label: unit, size: 60 }] },
+      uPlot.join([measured, ...(expected ? [expected] : [])]), plots);
   }
+
+  const beside = (step, expected) =>
+    plot("counts", [step.t, step.y], expected && [expected.t, expected.y]);
 
   async function bode() {
     const chosen = page.axis;
@@ -165,27 +168,14 @@ export function tuneView(page) {
     if (!made) return;
     plots.replaceChildren();
     const model = await predict(chosen);
-    for (const [unit, measured, predicted] of [["dB", made.gain_db, model?.bode_db], ["°",
-      made.phase_deg, model?.bode_deg], ["coherence", made.coherence, null]])
-    {
-      const tables = [[made.hz, measured]];
-      /** @type {object[]} */
-      const series = [{ label: `measured, ${unit}`, stroke: colour("--c0"),
-        points: { show: true } }];
-      if (predicted) {
-        tables.push([model.hz, predicted]);
-        series.push({ label: "model", stroke: colour("--c1"), dash: [6, 3] });
-      }
-      draw(plots, unit, uPlot.join(tables), series, true);
-    }
+    plot("dB", [made.hz, made.gain_db], model && [model.hz, model.bode_db], true);
+    plot("°", [made.hz, made.phase_deg], model && [model.hz, model.bode_deg], true);
+    plot("coherence", [made.hz, made.coherence], null, true);
   }
 
   function table(rows) {
-    result.replaceChildren(
-      el("table", {}, ...Object.entries(rows).map(([name, value]) =>
-        el("tr", {}, el("td", {}, name), el("td", {}, String(value)))
-      )),
-    );
+    const line = ([name, value]) => el("tr", {}, el("td", {}, name), el("td", {}, String(value)));
+    result.replaceChildren(el("table", {}, ...Object.entries(rows).map(line)));
   }
 
   const undo = button("tune-undo", "Undo", () => put(before, "its old parameters again"));
@@ -209,18 +199,9 @@ export function tuneView(page) {
   return { title: "Tune", element, shown: update, update, changes: true };
 }
 
-function draw(room, unit, data, series, logarithmic = false) {
-  new uPlot({ width: room.clientWidth || 500, height: 220,
-    scales: { x: { time: false, distr: logarithmic ? 3 : 1 } },
-    axes: [{ label: logarithmic ? "Hz" : "s" }, { label: unit, size: 60 }].map((axis) => ({ ...axis,
-      stroke: colour("--soft"), grid: { stroke: colour("--shade") },
-      ticks: { stroke: colour("--shade") } })
-    ), series: [{}, ...series.map((s) => ({ spanGaps: true, ...s }))] }, data, room);
-}
-
 function figures(measured, predicted) {
-  const say = (value,
-    unit) => (value === null || value === undefined ? "never" : `${value} ${unit}`);
+  const say = (value, unit) =>
+    (value === null || value === undefined) ? "never" : `${value} ${unit}`;
   const row = (name, unit) =>
     say(measured[name], unit)
     + (predicted && name in predicted ? `  (${say(predicted[name], unit)} predicted)` : "");

@@ -2,7 +2,7 @@
 // Waveforms of the milliseconds around a moment: VME, PC bus, card 0, from a machine that goes through
 // them again with its nets watched (web/engine/past.js; of a served machine, mmcs/tool/moment.py).
 
-import { button, el, gestures, labelled, parseNumber, perFrame, setText } from "./dom.js";
+import { button, el, gestures, labelled, parseNumber, setText } from "./dom.js";
 import { duration, Waves } from "./wave_data.js";
 import { HEAD, layOut, WaveScreen } from "./wave_screen.js";
 
@@ -32,8 +32,7 @@ class WavesView {
     this.hidden = new Set();
     this.marks = [null, null];
     this.#build();
-    this.redraw = perFrame(() => this.draw());
-    new ResizeObserver(this.redraw).observe(this.sheet);
+    new ResizeObserver(() => this.redraw()).observe(this.sheet);
   }
 
   #build() {
@@ -144,7 +143,7 @@ class WavesView {
     this.element.dataset.from = String(waves.seconds(waves.from));
   }
 
-  draw() {
+  redraw() {
     if (!this.waves || !this.visible || !this.canvas.clientWidth) return;
     this.laid = layOut(this.waves, this.hidden);
     this.screen.draw(this);

@@ -9,18 +9,13 @@ export class PageLabs {
 
   async request(op, { number } = { number: 0 }) {
     const { sheets, sheet } = await this.#known;
-    if (op === "sheets") {
-      return {
-        sheets: sheets.map(({ title, ...one }) => ({ ...one,
-          title: `${title} (not graded here)` })
-        ),
-      };
-    }
-    const { check } = sheet[number];
+    const titled = (one) => ({ ...one, title: `${one.title} (not graded here)` });
+    if (op === "sheets") return { sheets: sheets.map(titled) };
     if (op === "sheet") return sheet[number];
-    throw new Error(
-      `Checking needs Python: take the view Labs of \`mmcs tool\`, or save answer.toml and \`${check}\`.`,
-    );
+    const instead = `take the view Labs of \`mmcs tool\`, or save answer.toml and \`${
+      sheet[number].check
+    }\`.`;
+    throw new Error(`Checking needs Python: ${instead}`);
   }
 }
 

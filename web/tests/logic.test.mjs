@@ -4,6 +4,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { sector } from "../arm.js";
 import { askedNumber, parseInteger, parseNumber, pause } from "../dom.js";
 import { readRecord, setupOf } from "../engine/record.js";
 import { tomlAnswer } from "../labs.js";
@@ -54,6 +55,16 @@ function ramp(rows, step = 0.001) {
   history.append(message(Array.from({ length: rows }, (_, n) => row(n * step, n * n))));
   return history;
 }
+
+test("a joint's sector goes from stop to stop about its axis; without stops there is none", () => {
+  const links = [{ alpha: 1, a: 0.5, d: 0.1, theta0: 0.3 }];
+  const turn = ([x, y]) => Math.atan2(y, x).toFixed(6);
+  const [centre, ...arc] = sector(links, [0.2], 0, { stop_lo: -1, stop_hi: 2 });
+  assert.deepEqual(centre, [0, 0, 0.1]);
+  assert.deepEqual([arc[0], arc.at(-2), arc.at(-1)].map(turn), ["-0.700000", "2.300000",
+    "0.500000"]);
+  assert.deepEqual(sector(links, [0], 0, { stop_lo: 0, stop_hi: 0 }), []);
+});
 
 test("samples are decoded, kept in order and found by time", () => {
   const history = ramp(20_000);

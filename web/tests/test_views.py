@@ -57,6 +57,8 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     page = desk.page
     page.click("#scope-more")
     page.select_option("#scope-trigger", "panic")
+    desk.until("() => document.getElementById('scope-lost').textContent.startsWith('waiting')")
+    assert "encnow" not in page.inner_text("body")  # the driver's name of what people call count
     enable(page)
     page.click("#tab-scope")
     page.wait_for_timeout(1500)  # something to be seen before the fault
@@ -100,6 +102,12 @@ def test_fingers_carry_and_stretch_the_scope(desk):
     desk.until(f"before => ({view})()[1] < before - 0.2", before[1])
     panned = page.evaluate(view)
     assert panned[1] - panned[0] == pytest.approx(before[1] - before[0])
+    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 60)
+    page.mouse.wheel(0, -200)
+    desk.until(
+        f"wide => {{ const [a, b] = ({view})(); return b - a < 0.9 * wide }}", panned[1] - panned[0]
+    )
+    panned = page.evaluate(view)
     for kind, xs in (("touchStart", [0.4, 0.6]), ("touchMove", [0.3, 0.7]), ("touchEnd", [])):
         fingers(kind, *xs)
     desk.until(
@@ -166,6 +174,8 @@ def test_registers_are_read_by_name_and_written_with_control(desk):
     row.get_by_role("button").click()
     desk.eventually(lambda: "ENC_MODE 5" in row.inner_text())
     row.locator("input").fill("0x0D")
+    row.locator("input").blur()  # writes nothing
+    desk.eventually(lambda: row.locator("input").input_value() == "0x0D")
     row.locator("input").press("Enter")
     desk.eventually(lambda: "LED1 1" in row.inner_text())
 

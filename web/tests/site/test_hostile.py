@@ -24,6 +24,7 @@ DONE = "() => document.body.dataset.hash"
     ("?t=soon", 'address: t="soon" is not'),
     ("#record=ab%00c", "address: its record is damaged"),
     ("#record=AAAA", "address: its record is damaged"),
+    ("#record=", "address: its record is damaged"),
 ])  # fmt: skip
 def test_an_address_that_cannot_be_is_told_and_left(opened, query, said):
     page = opened(query)
