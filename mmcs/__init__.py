@@ -16,9 +16,10 @@ __all__ = [
     "sweep",
 ]  # fmt: skip
 
-# numpy would start threads that find no work. The programs of a run do not get it (execute.py).
-FOR_NUMPY = {"OPENBLAS_NUM_THREADS"} - set(os.environ)
-os.environ |= dict.fromkeys(FOR_NUMPY, "1")
+# numpy would start threads that find no work; pydantic would look through all installed packages
+# for plugins. The programs of a run do not get these (execute.py).
+OWN_VARIABLES = {"OPENBLAS_NUM_THREADS", "PYDANTIC_DISABLE_PLUGINS"} - set(os.environ)
+os.environ |= dict.fromkeys(OWN_VARIABLES, "1")
 
 if TYPE_CHECKING:  # for editors and type checkers; at run time each is loaded when asked for
     from mmcs.cached import once as once

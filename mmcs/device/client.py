@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from mmcs import mcdef
 from mmcs.device import reasons, wire
-from mmcs.device.line import ask, take, take_async
+from mmcs.device.line import GONE, send, take
 from mmcs.device.sockets import connect, socket_path
 
 MC_STATE = struct.Struct("<7i")
@@ -111,11 +111,11 @@ class Device:
     def ioctl(self, request: int, data: bytes = b"") -> bytes:
         """Any request of Table 2.3 by number; the argument in, the argument out."""
         number = _checked("request", request, -(1 << 31), (1 << 32) - 1) & 0xFFFFFFFF
-        return self._call(wire.IOCTL, number, data)[1]
+        return self._ask(wire.IOCTL, number, data)[1]
 
     def read(self, axes: int = 32) -> list[State]:
         """The states of axes 0 to axes-1 (fewer if the driver controls fewer), of one sample."""
-        _, data = self._call(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
+        _, data, _ = self._ask(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
         return [State._make(values) for values in MC_STATE.iter_unpack(data)]
 
     def write(self, setpoints: list[int]) -> None:
@@ -125,7 +125,7 @@ class Device:
         except (struct.error, TypeError):  # say which does not fit
             values = [_checked("setpoint", value) for value in setpoints]
             data = struct.pack(f"<{len(values)}i", *values)
-        self._call(wire.WRITE, 0, data)
+        self._ask(wire.WRITE, 0, data)
 
     def write_axis(self, axis: int, setpoint: int) -> None:
         """The setpoint of one axis; the others keep theirs, whoever writes them."""
@@ -142,13 +142,20 @@ class Device:
 
     async def next_sample(self) -> int:
         """wait() for an event loop, whose other tasks go on meanwhile."""
-        channel = self._take_channel()
+        import asyncio
+
+        channel, loop = self._take_channel(), asyncio.get_running_loop()
+        ready = loop.create_future()
+        loop.add_reader(channel, lambda: ready.done() or ready.set_result(None))
         try:
-            ask(channel, wire.IOCTL, wire.MWAIT, name=self._name)
-            result, number = await take_async(channel)
+            send(channel, wire.IOCTL, self._name, wire.MWAIT)
+            await ready
+            result, number = take(channel)
         except BaseException:
             channel.close()
             raise
+        finally:
+            loop.remove_reader(channel)
         self._idle.append(channel)
         if result < 0:
             raise OSError(-result, _sentence(-result, "no servo sample comes"))
@@ -192,7 +199,7 @@ class Device:
             if name not in names or name == "which":
                 raise OSError(errno.EINVAL, f"there is no parameter {name!r} to change")
             data += struct.pack("<Ii", names.index(name), _checked(name, value))
-        return _named("mc_param", self._call(wire.CHANGE, _axis(axis), data)[1])
+        return _named("mc_param", self._ask(wire.CHANGE, _axis(axis), data)[1])
 
     def enable(self) -> None:
         """Lets the servo drive the motors; PANIC clears with the servo holding."""
@@ -265,9 +272,6 @@ class Device:
     def _set(self, name: str, value: int) -> None:
         self.ioctl(getattr(mcdef, name), struct.pack("<I", value & 0xFFFFFFFF))
 
-    def _call(self, op: int, a: int, data: bytes = b"") -> tuple[int, bytes]:
-        return self._ask(op, a, data)[:2]
-
     def _ask(self, op: int, a: int, data: bytes = b"", why: bool = False) -> tuple[int, bytes, str]:
         """Result, data and, if asked for, what is to be said of it."""
         if len(data) > wire.MAX_DATA:
@@ -336,7 +340,7 @@ class Device:
             try:
                 return connect(self._where)
             except OSError:
-                raise OSError(errno.EIO, "the simulator is gone") from None
+                raise OSError(*GONE) from None
 
 
 def _sentence(error: int, why: str) -> str:
@@ -374,5 +378,5 @@ def _axis(axis: object) -> int:
 
 
 def _exchange(sock, op: int, name: bytes, a: int, b: int, data: bytes) -> tuple[int, bytes]:
-    ask(sock, op, a, data, name, b)
+    send(sock, op, name, a, b, data)
     return take(sock)

@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mmcs import FOR_NUMPY, ROOT
+from mmcs import OWN_VARIABLES, ROOT
 from mmcs.device.libraries import DEVICE, LIBRARY, preload_library
 from mmcs.device.link import Link
 from mmcs.device.server import Server
@@ -22,7 +22,7 @@ from mmcs.screen import clean
 
 FORWARDED = (signal.SIGTERM, signal.SIGHUP)
 OF_THE_TERMINAL = (signal.SIGINT, signal.SIGQUIT)  # the program gets them by itself
-PT_INTERP = 3
+PT_INTERP = b"\3\0\0\0"
 
 
 def cflags(modern: bool = False) -> list[str]:
@@ -49,7 +49,7 @@ def environment(path: Path, sanitize: bool = False, lockstep: bool = False) -> d
     if sanitize:  # the sanitizer's own library comes first, whatever else there is
         libraries.sort(key=lambda name: "libasan" not in name)
     more = {"MMCS_LOCKSTEP": "1", "PYTHONHASHSEED": "0"} if lockstep else {}
-    given = {name: value for name, value in os.environ.items() if name not in FOR_NUMPY}
+    given = {name: value for name, value in os.environ.items() if name not in OWN_VARIABLES}
     return {**given, **more, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
 
 
@@ -111,28 +111,24 @@ class _Console:
     """The lines of a server that runs elsewhere."""
 
     def __init__(self, link: Link):
-        self._link: Link | None = link
+        self._links = [link]  # none: the server is gone, which the program will notice by itself
 
     def step(self) -> None:
-        if not select.select([self._link] if self._link else [], [], [], 0.05)[0]:
-            return
-        try:
-            message = self._link.receive()
-        except OSError:
-            self._link = None  # the server is gone, which the program will hear by itself
-            return
-        self._show(message)
+        for link in select.select(self._links, [], [], 0.05)[0]:
+            try:
+                self._show(link.receive())
+            except OSError:
+                self._links.clear()
 
     def finish(self) -> None:
         """What was said before the program ended is on its way: by the second answer it is here."""
-        if self._link is None:
-            return
-        self._link.set_timeout(FAREWELL_S)
-        with contextlib.suppress(OSError):
-            self._link.request("alive")
-            self._link.request("alive")
-        for message in self._link.kept():
-            self._show(message)
+        for link in self._links:
+            link.set_timeout(FAREWELL_S)
+            with contextlib.suppress(OSError):
+                link.request("alive")
+                link.request("alive")
+            for message in link.kept():
+                self._show(message)
 
     @staticmethod
     def _show(message) -> None:
@@ -168,13 +164,10 @@ def is_static(path: Path) -> bool:
         head = file.read(64)
         if head[:5] != b"\x7fELF\x02" or len(head) < 64:
             return False
-        at, size, count = (
-            struct.unpack_from("<Q", head, 32)[0],
-            *struct.unpack_from("<HH", head, 54),
-        )
+        at, size, count = struct.unpack_from("<32xQ14xHH", head)
         file.seek(at)
         table = file.read(size * count)
-    kinds = [struct.unpack_from("<I", table, n)[0] for n in range(0, len(table) - 3, size or 1)]
+    kinds = [table[n : n + 4] for n in range(0, len(table) - 3, size or 1)]
     return bool(kinds) and PT_INTERP not in kinds
 
 
@@ -228,7 +221,6 @@ def _descendants(pid: int) -> list[int]:
 def _start(command: list[str], env: dict[str, str]) -> subprocess.Popen:
     try:
         return subprocess.Popen(command, env=env)
-    except FileNotFoundError:
-        raise InputError.one("mmcs exec", "", command[0], "no such program") from None
     except OSError as error:
-        raise InputError.one("mmcs exec", "", command[0], error.strerror) from None
+        why = "no such program" if isinstance(error, FileNotFoundError) else error.strerror
+        raise InputError.one("mmcs exec", "", command[0], why) from None

@@ -38,20 +38,17 @@ class Holders:
         """SIGUSR1 to every process that has the file open at this moment; those processes."""
         told = []
         for pid in list(self._pids):
-            try:
+            handle = -1  # of this process, even if another one should get its number
+            with contextlib.suppress(OSError):
                 handle = os.pidfd_open(pid)
-            except OSError:
-                self._pids.discard(pid)
-                continue
-            try:
                 if not self._is_open_in(pid):
                     self._pids.discard(pid)
                 elif not self._gentle or wire.catches(pid, signal.SIGUSR1):
                     signal.pidfd_send_signal(handle, signal.SIGUSR1)
                     told.append(pid)
-            except ProcessLookupError:
+            if handle < 0:
                 self._pids.discard(pid)
-            finally:
+            else:
                 os.close(handle)
         return told
 
@@ -103,7 +100,7 @@ class Program(Connection):
         end = wire.REQUEST.size + length
         request = bytes(self.data[:end])
         del self.data[:end]
-        if op == wire.LINE and self._turns.on and length in (0, 4):
+        if op == wire.LINE and self._turns.on and not length:
             self.ended = True
             self._server.becomes_line(self, request)
             return True
@@ -185,9 +182,9 @@ class Program(Connection):
             return held
         if client.driver < 0 or op not in (wire.IOCTL, wire.READ, wire.WRITE):
             return ""
-        joints = machine.joints(client)
         if op == wire.READ:
             return reasons.of_read(error, a)
+        joints = machine.joints(client)
         if op == wire.WRITE:
             return reasons.of_write(error, len(payload), joints)
         return reasons.of_ioctl(error, a, payload, joints, 2 * machine.cards)

@@ -159,9 +159,8 @@ class Server:
         return int(self.stopping)
 
     def _wait(self) -> float:
-        if any(c.has_request() and not (c.busy or c.held) for c in self.connections.values()):
-            return 0.0
-        if self.advances is not None:
+        due = (c.has_request() and not (c.busy or c.held) for c in self.connections.values())
+        if self.advances is not None or any(due):
             return 0.0
         if self.lockstep.on:
             return IDLE_S if self.lockstep.rest() or self.machine.now.paused else 0.0
@@ -178,9 +177,7 @@ class Server:
     def _pass_time(self) -> None:
         if self.advances is not None:
             self._go_on()
-        elif self.lockstep.on:
-            pass  # _take_turns() does
-        elif not self._rests and self.pace.is_due():
+        elif not self.lockstep.on and not self._rests and self.pace.is_due():
             self._run(self.sim.time + self.pace.chunk)
 
     def _run(self, until: float) -> None:

@@ -33,15 +33,12 @@ class Turns:
             callback("void(int, int)", self._say),
         ]
         self.now.send_signals, self.now.is_outside, self.now.tell = self._calls
+        self.close = lambda: self._ffi.release(self.now)  # all lines end
 
     def __getattr__(self, name: str):
         """turns_NAME(), of this."""
         call = getattr(self._lib, f"turns_{name}")
         return lambda *arguments: call(self.now, *arguments)
-
-    def close(self) -> None:
-        """All lines end."""
-        self._ffi.release(self.now)
 
     def read_states(self, pid: int, client, size: int) -> tuple[int, bytes]:
         states = self._ffi.new("char[]", size)
@@ -75,12 +72,11 @@ class Core:
 
     def share(self, now: float) -> None:
         """Chooses the core anew every CHOICE_S: an idle one, if there is one."""
-        if now < self._due:
-            return
-        self._due = now + CHOICE_S
-        os.sched_setaffinity(0, self._allowed)
-        time.sleep(1e-6)  # the kernel wakes a process on an idle core
-        self._move({ctypes.CDLL(None).sched_getcpu()})
+        if now >= self._due:
+            self._due = now + CHOICE_S
+            os.sched_setaffinity(0, self._allowed)
+            time.sleep(1e-6)  # the kernel wakes a process on an idle core
+            self._move({ctypes.CDLL(None).sched_getcpu()})
 
     def leave(self) -> None:
         self._move(self._allowed)

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/timerfd.h>
 #include <time.h>
@@ -13,9 +14,7 @@
 
 #include "device.h"
 
-/* The numbers of timers: of alarm() and setitimer(); those with a descriptor begin at FILES. */
-#define ALARM 0
-#define FILES 64
+#define ALARM 0 /* the number of the timer of alarm() and setitimer() */
 
 /* --- clocks ---------------------------------------------------------------------------- */
 
@@ -51,18 +50,20 @@ int timespec_get(struct timespec *at, int base) {
 
 /* --- timers ---------------------------------------------------------------------------- */
 
-/* Sets a timer, or asks (`to` is null); what was left of it. */
+static void tell_left(const struct wire_timer *timer, struct itimerspec *left) {
+  uint64_t now = lock_now();
+  if (left == NULL) return;
+  left->it_interval = lock_span(timer->interval);
+  left->it_value = lock_span(timer->first == 0 ? 0 : timer->first > now ? timer->first - now : 1);
+}
+
+/* Sets a timer of the server, or asks (`to` is null); what was left of it. */
 static int set_timer(uint64_t number, const struct wire_timer *to, struct itimerspec *left) {
   struct wire_timer before = {0};
   uint32_t room = sizeof(before);
   int result = lock_ask(WIRE_TIMER, number, 0, to, to != NULL ? sizeof(*to) : 0, &before, &room);
-  uint64_t now = lock_now();
-  if (result < 0) return device_fail(result);
-  if (left != NULL) {
-    left->it_interval = lock_span(before.interval);
-    left->it_value = lock_span(before.first == 0 ? 0 : before.first > now ? before.first - now : 1);
-  }
-  return 0;
+  if (result >= 0) tell_left(&before, left);
+  return device_fail(result);
 }
 
 static int is_time(const struct timespec *at) {
@@ -72,24 +73,25 @@ static int is_time(const struct timespec *at) {
   return 0;
 }
 
-static int arm(uint64_t number, struct wire_timer timer, clockid_t clock, int absolute,
-               const struct itimerspec *to, struct itimerspec *left) {
+static int arm(struct wire_timer *timer, clockid_t clock, int absolute,
+               const struct itimerspec *to) {
   if (!is_time(&to->it_value) || !is_time(&to->it_interval)) return -1;
-  timer.interval = lock_ns(&to->it_interval);
+  timer->interval = lock_ns(&to->it_interval);
+  timer->first = 0;
   if (lock_ns(&to->it_value) > 0) {
-    timer.first = absolute ? lock_until(clock, &to->it_value) : lock_after(lock_ns(&to->it_value));
-    if (timer.first == 0) timer.first = 1; /* it was long ago, and is not off */
+    timer->first = absolute ? lock_until(clock, &to->it_value) : lock_after(lock_ns(&to->it_value));
+    if (timer->first == 0) timer->first = 1; /* it was long ago, and is not off */
   }
-  return set_timer(number, &timer, left);
+  return 0;
 }
 
 int setitimer(__itimer_which_t which, const struct itimerval *to, struct itimerval *before) {
-  const struct wire_timer timer = {.signal = SIGALRM, .fd = -1};
+  struct wire_timer timer = {.signal = SIGALRM};
   struct itimerspec at = {0}, left = {0};
   if (!lock_on() || which != ITIMER_REAL) return REAL(setitimer)(which, to, before);
   TIMEVAL_TO_TIMESPEC(&to->it_value, &at.it_value);
   TIMEVAL_TO_TIMESPEC(&to->it_interval, &at.it_interval);
-  if (arm(ALARM, timer, CLOCK_MONOTONIC, 0, &at, &left) < 0) return -1;
+  if (arm(&timer, CLOCK_MONOTONIC, 0, &at) < 0 || set_timer(ALARM, &timer, &left) < 0) return -1;
   if (before != NULL) {
     TIMESPEC_TO_TIMEVAL(&before->it_value, &left.it_value);
     TIMESPEC_TO_TIMEVAL(&before->it_interval, &left.it_interval);
@@ -123,7 +125,7 @@ useconds_t ualarm(useconds_t us, useconds_t interval) {
 static struct own {
   struct wire_timer with;
   clockid_t clock;
-} own[64];
+} own[WIRE_TIMERS];
 static unsigned next_own = 1;
 
 static struct own *own_of(timer_t id) {
@@ -135,7 +137,7 @@ static struct own *own_of(timer_t id) {
 
 CALL(int, timer_create, (clockid_t clock, struct sigevent *event, timer_t *id),
      (clock, event, id)) {
-  struct own made = {{.signal = SIGALRM, .fd = -1}, clock};
+  struct own made = {{.signal = SIGALRM}, clock};
   if (next_own == sizeof(own) / sizeof(own[0])) return errno = EAGAIN, -1;
   made.with.value = next_own;
   if (event != NULL) {
@@ -153,8 +155,8 @@ CALL(int, timer_settime,
      (id, flags, to, before)) {
   struct own *t;
   t = own_of(id);
-  if (t == NULL) return -1;
-  return arm((uintptr_t)id, t->with, t->clock, flags & TIMER_ABSTIME, to, before);
+  if (t == NULL || arm(&t->with, t->clock, flags & TIMER_ABSTIME, to) < 0) return -1;
+  return set_timer((uintptr_t)id, &t->with, before);
 }
 
 CALL(int, timer_gettime, (timer_t id, struct itimerspec *now), (id, now)) {
@@ -166,27 +168,49 @@ int timer_getoverrun(timer_t id) {
 }
 
 CALL(int, timer_delete, (timer_t id), (id)) {
-  const struct wire_timer off = {.fd = -1};
+  const struct wire_timer off = {0};
   return own_of(id) != NULL ? set_timer((uintptr_t)id, &off, NULL) : -1;
 }
 
-/* An eventfd, which is read and polled like a timerfd. */
-static clockid_t clock_of[1024];
+/* An eventfd, which is read and polled like a timerfd, and which this process writes to. */
+static struct own files[1024];
+static int most_files; /* have been set */
 
 CALL(int, timerfd_create, (clockid_t clock, int flags), (clock, flags)) {
   int fd;
   fd = eventfd(0,
                (flags & TFD_NONBLOCK ? EFD_NONBLOCK : 0) | (flags & TFD_CLOEXEC ? EFD_CLOEXEC : 0));
-  if (fd >= 0 && fd < 1024) clock_of[fd] = clock;
+  if (fd >= 0 && fd < 1024) files[fd] = (struct own){{0}, clock};
   return fd;
 }
 
 int timerfd_settime(int fd, int flags, const struct itimerspec *to, struct itimerspec *before) {
-  const struct wire_timer timer = {.fd = fd};
   if (!lock_on() || fd < 0 || fd >= 1024) return REAL(timerfd_settime)(fd, flags, to, before);
-  return arm(FILES + (uint64_t)fd, timer, clock_of[fd], flags & TFD_TIMER_ABSTIME, to, before);
+  tell_left(&files[fd].with, before);
+  if (fd >= most_files) most_files = fd + 1;
+  return arm(&files[fd].with, files[fd].clock, flags & TFD_TIMER_ABSTIME, to);
 }
 
 CALL(int, timerfd_gettime, (int fd, struct itimerspec *now), (fd, now)) {
-  return set_timer(FILES + (uint64_t)fd, NULL, now);
+  tell_left(&files[fd].with, now);
+  return 0;
+}
+
+uint64_t lock_timers(uint64_t now) {
+  uint64_t next = WIRE_NEVER;
+  for (int fd = 0; fd < most_files; fd++) {
+    struct wire_timer *timer = &files[fd].with;
+    uint64_t times = 1;
+    if (timer->first > 0 && timer->first <= now) {
+      if (timer->interval > 0) times += (now - timer->first) / timer->interval;
+      timer->first = timer->interval > 0 ? timer->first + times * timer->interval : 0;
+      (void)!syscall(SYS_write, fd, &times, sizeof(times));
+    }
+    if (timer->first > 0 && timer->first < next) next = timer->first;
+  }
+  return next;
+}
+
+void lock_forget_timers(void) {
+  most_files = 0;
 }

@@ -138,6 +138,9 @@ uint64_t lock_ns(const struct timespec *span);
 /* ns of machine time: a span from now, and a time of a clock (relative ones count from now). */
 uint64_t lock_after(uint64_t ns);
 uint64_t lock_until(clockid_t clock, const struct timespec *at);
+/* clocks.c: makes the descriptors of timers readable that have run out; when the next one will. */
+uint64_t lock_timers(uint64_t now);
+void lock_forget_timers(void);
 
 /* --- waits.c --- */
 

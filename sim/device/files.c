@@ -93,19 +93,12 @@ int statx(int folder, const char *restrict path, int flags, unsigned mask,
   return device_fail(device_copy_out(status, &found, sizeof(found)));
 }
 
-static int access_device(int mode) {
-  if (!(mode & X_OK)) return 0;
-  errno = EACCES;
-  return -1;
-}
-
-int access(const char *path, int mode) {
-  if (device_is_path(path)) return access_device(mode);
-  return (int)syscall(SYS_faccessat, AT_FDCWD, path, mode);
-}
 int faccessat(int folder, const char *path, int mode, int flags) {
-  if (device_is_path(path)) return access_device(mode);
-  return REAL(faccessat)(folder, path, mode, flags);
+  if (!device_is_path(path)) return REAL(faccessat)(folder, path, mode, flags);
+  return device_fail(mode & X_OK ? -EACCES : 0);
+}
+int access(const char *path, int mode) {
+  return faccessat(AT_FDCWD, path, mode, 0);
 }
 int euidaccess(const char *path, int mode) {
   return faccessat(AT_FDCWD, path, mode, AT_EACCESS);
@@ -114,60 +107,41 @@ SAME(eaccess, euidaccess);
 
 /* --- vectors, places ------------------------------------------------------------------- */
 
-/* The program's vector, and the sum of its lengths; or a negative errno. */
-static ssize_t take_vector(struct iovec taken[IOV_MAX], const struct iovec *vector, int count) {
+typedef __typeof__(process_vm_readv) move_fn;
+
+/* Moves bytes of the program's vector, by the kernel, which knows what may be touched: the sum of
+ * its lengths, or a negative errno. */
+static ssize_t move(move_fn *way, void *data, size_t most, const struct iovec *vector, int count) {
+  struct iovec local = {data, most};
+  ssize_t moved = way(wire_pid(), &local, 1, vector, (unsigned long)count, 0);
   size_t length = 0;
-  if (count < 0 || count > IOV_MAX) return -EINVAL;
-  if (device_copy_in(taken, vector, (size_t)count * sizeof(*vector)) < 0) return -EFAULT;
+  if (moved < 0) return -errno;
   for (int i = 0; i < count; i++) {
-    if (taken[i].iov_len > SSIZE_MAX - length) return -EINVAL;
-    length += taken[i].iov_len;
+    if (vector[i].iov_len > SSIZE_MAX - length) return -EINVAL;
+    length += vector[i].iov_len;
   }
-  return (ssize_t)length;
-}
-
-static ssize_t write_vector(const char name[WIRE_NAME], const struct iovec *vector, int count) {
-  struct iovec v[IOV_MAX];
-  char data[MOST], *at = data;
-  ssize_t length = take_vector(v, vector, count);
-  if (length < 0) return length;
-  if (length > MOST) return -EINVAL;
-  for (int i = 0; i < count; at += v[i++].iov_len)
-    if (device_copy_in(at, v[i].iov_base, v[i].iov_len) < 0) return -EFAULT;
-  return device_write(name, data, (size_t)length);
-}
-
-static ssize_t read_vector(const char name[WIRE_NAME], const struct iovec *vector, int count) {
-  struct iovec v[IOV_MAX];
-  char data[MOST];
-  ssize_t got, done = 0, length = take_vector(v, vector, count);
-  if (length < 0) return length;
-  for (int i = 0; i < count; i++) {
-    size_t room = (size_t)(MOST - done);
-    if (v[i].iov_len > room) v[i].iov_len = room;
-    if (device_can_take(v[i].iov_base, v[i].iov_len) < 0) return -EFAULT;
-    done += (ssize_t)v[i].iov_len;
-  }
-  got = device_read(name, data, (size_t)done);
-  done = 0;
-  for (int i = 0; i < count && done < got; done += (ssize_t)v[i++].iov_len) {
-    size_t part = (size_t)(got - done);
-    if (part > v[i].iov_len) part = v[i].iov_len;
-    if (device_copy_out(v[i].iov_base, data + done, part) < 0) return -EFAULT;
-  }
-  return got;
+  return moved < (ssize_t)(length < most ? length : most) ? -EFAULT : (ssize_t)length;
 }
 
 ssize_t writev(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME];
+  char name[WIRE_NAME], data[MOST];
+  ssize_t length;
   if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
-  return device_fail((int)write_vector(name, vector, count));
+  length = move(process_vm_readv, data, MOST, vector, count);
+  if (length > MOST) length = -EINVAL;
+  return device_fail((int)(length < 0 ? length : device_write(name, data, (size_t)length)));
 }
 
+/* What is there is moved out and in again first: can states be written there? */
 ssize_t readv(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME];
+  char name[WIRE_NAME], data[MOST];
+  ssize_t got;
   if (!wire_is_file(fd, name)) return syscall(SYS_readv, fd, vector, count);
-  return device_fail((int)read_vector(name, vector, count));
+  got = move(process_vm_readv, data, MOST, vector, count);
+  if (got >= 0) got = move(process_vm_writev, data, MOST, vector, count);
+  if (got >= 0) got = device_read(name, data, (size_t)got);
+  if (got > 0) (void)move(process_vm_writev, data, (size_t)got, vector, count);
+  return device_fail((int)got);
 }
 
 /* A device has no places: as read() and write(). */

@@ -2,19 +2,14 @@
 /* Lock-step: what comes on a line and what goes there; a program's read() and write() (turns.h). */
 #define _GNU_SOURCE
 #include <errno.h>
-#include <fcntl.h>
 #include <signal.h>
-#include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "mcdef.h"
 #include "turns_own.h"
-
-#define MOST_FIRED 64 /* timers of which a program is told at once */
 
 int64_t events_of(const struct turns *t) {
   mmcs_tap_head head;
@@ -84,29 +79,16 @@ void turns_closes(struct turns *t, const mmcs_client *client) {
 
 void run_out(struct turns *t, struct process *p, uint64_t now) {
   EACH_TIMER(p, timer) {
-    struct wire_timer *is = &timer->is;
-    uint64_t times = 1;
-    if (is->first > now) continue;
-    if (is->interval > 0) times += (now - is->first) / is->interval;
-    is->first = is->interval > 0 ? is->first + times * is->interval : 0;
-    if (is->signal > 0) {
-      const union sigval value = {.sival_ptr = (void *)(uintptr_t)is->value};
-      (void)sigqueue(p->pid, is->signal, value);
-      turns_signalled(t, p->pid, BIT(is->signal));
-    }
-    if (is->fd < 0) continue;
-    timer->fired += (int32_t)times;
-    for (struct line *l = p->lines; l != NULL; l = l->next) look(l);
+    const union sigval value = {.sival_ptr = (void *)(uintptr_t)timer->value};
+    if (timer->first > now) continue;
+    if (timer->interval > 0)
+      timer->first += (1 + (now - timer->first) / timer->interval) * timer->interval;
+    else
+      timer->first = 0;
+    if (timer->signal <= 0 || timer->signal > 64) continue;
+    (void)sigqueue(p->pid, (int)timer->signal, value);
+    turns_signalled(t, p->pid, BIT(timer->signal));
   }
-}
-
-static uint32_t fired(struct process *p, struct wire_fired *out) {
-  uint32_t n = 0;
-  for (struct timer *i = p->timer; i < p->timer + p->timers && n < MOST_FIRED; i++) {
-    if (i->fired > 0) out[n++] = (struct wire_fired){i->is.fd, i->fired};
-    i->fired = 0;
-  }
-  return n;
 }
 
 /* --- answers --------------------------------------------------------------------------- */
@@ -124,12 +106,12 @@ static void reply(int fd, int result, const void *data, uint32_t length) {
 }
 
 static struct wire_now now(const struct turns *t, const struct process *of) {
-  struct wire_now told = {.ns = now_of(t), .sample = (uint32_t)mmcs_sim_samples(t->sim)};
-  for (uint64_t n = 0; n < of->timers; n++)
-    if (of->timer[n].fired > 0) told.flags |= NOW_FIRED;
-  if (of->later != NULL && of->writes != NULL && of->wrote == events_of(t))
-    told.flags |= NOW_WRITES;
-  return told;
+  return (struct wire_now){
+      .ns = now_of(t),
+      .sample = (uint32_t)mmcs_sim_samples(t->sim),
+      .writes = of->later != NULL && of->writes != NULL && of->wrote == events_of(t),
+      .memory = of->memory,
+  };
 }
 
 /* The line runs from now on: its wait is answered, or the call that waited is served. */
@@ -158,35 +140,6 @@ static int wake(struct line *l, uint64_t key, uint64_t count) {
   return woken;
 }
 
-/* Maps a descriptor of the program, if it is what its library has made for this. */
-static void share(struct process *p, int fd) {
-  char path[64], link[64] = {0};
-  int mine;
-  void *made = MAP_FAILED;
-  (void)snprintf(path, sizeof(path), "/proc/%d/fd/%d", p->pid, fd);
-  if (p->later != NULL) (void)munmap(p->later, sizeof(*p->later));
-  p->later = NULL;
-  if (readlink(path, link, sizeof(link) - 1) < 0 || strncmp(link, "/memfd:mmcs ", 12) != 0) return;
-  mine = open(path, O_RDWR | O_CLOEXEC);
-  if (mine >= 0 && lseek(mine, 0, SEEK_END) >= (off_t)sizeof(*p->later))
-    made = mmap(NULL, sizeof(*p->later), PROT_READ | PROT_WRITE, MAP_SHARED, mine, 0);
-  if (mine >= 0) (void)close(mine);
-  if (made != MAP_FAILED) p->later = made;
-}
-
-void turns_line(struct turns *t, int fd, const void *request) {
-  struct wire_request r;
-  memcpy(&r, request, sizeof(r));
-  write_later(t);
-  turns_expect(t, r.pid);
-  open_line(t, fd, r.a, r.b, r.pid);
-  if (r.length == sizeof(int32_t)) {
-    int32_t memory;
-    memcpy(&memory, (const char *)request + sizeof(r), sizeof(memory));
-    share(process_of(t, r.pid), memory);
-  }
-}
-
 static int is_well_formed(const struct wire_request *r, const void *data) {
   struct wire_wait wait;
   if (r->op == WIRE_TIMER)
@@ -200,12 +153,9 @@ static int is_well_formed(const struct wire_request *r, const void *data) {
 static void serve(struct turns *t, struct line *l, const struct wire_request *r, const char *data) {
   struct process *p = l->process;
   int result = 0;
-  union {
-    struct wire_wait wait;
-    struct wire_timer timer;
-    struct wire_now now;
-    struct wire_fired fired[MOST_FIRED];
-  } is;
+  struct wire_wait wait;
+  struct wire_timer timer;
+  struct wire_now moment;
   t->requests++;
   if (!is_well_formed(r, data)) {
     reply(l->fd, -EINVAL, NULL, 0);
@@ -216,26 +166,21 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
       leave_line(t, l, 1);
       return;
     case WIRE_WAIT:
-      memcpy(&is.wait, data, sizeof(is.wait));
+      memcpy(&wait, data, sizeof(wait));
       l->states = r->a;
-      begin_wait(t, l, &is.wait, (const int32_t *)(const void *)(data + sizeof(is.wait)));
+      begin_wait(t, l, &wait, (const int32_t *)(const void *)(data + sizeof(wait)));
       return;
     case WIRE_CANCEL:
       if (l->state == WAITS) ready(l, CAUSE_SIGNAL);
       return;
     case WIRE_TIMER:
-      is.timer = p->timer[r->a].is;
-      if (r->length > 0) memcpy(&p->timer[r->a].is, data, sizeof(is.timer));
-      if (r->a >= p->timers) p->timers = r->a + 1;
-      reply(l->fd, 0, &is, sizeof(is.timer));
-      return;
-    case WIRE_FIRED:
-      reply(l->fd, 0, is.fired, fired(p, is.fired) * (uint32_t)sizeof(is.fired[0]));
+      timer = p->timer[r->a];
+      if (r->length > 0) memcpy(&p->timer[r->a], data, sizeof(timer));
+      reply(l->fd, 0, &timer, sizeof(timer));
       return;
     case WIRE_NOW:
-      is.now = now(t, p);
-      is.now.flags &= (uint32_t)~NOW_WRITES;
-      reply(l->fd, 0, &is, sizeof(is.now));
+      moment = now(t, p);
+      reply(l->fd, 0, &moment, sizeof(moment));
       return;
     case WIRE_WAKE:
       result = wake(l, r->a, r->b);
@@ -264,15 +209,14 @@ static void hear(struct turns *t, struct line *l) {
 }
 
 int turns_hear(struct turns *t, int fd) {
+  write_later(t);
   EACH_LINE(t, p, l) {
     if (l->fd != fd) continue;
-    write_later(t);
     hear(t, l);
     return 1;
   }
   EACH_PROCESS(t, p) {
     if (p->handle != fd) continue;
-    write_later(t);
     (void)epoll_ctl(t->epoll, EPOLL_CTL_DEL, fd, NULL);
     (void)close(fd);
     p->handle = -1;

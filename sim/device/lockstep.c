@@ -4,11 +4,13 @@
 #include "device.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -75,22 +77,11 @@ int lock_tell(uint32_t op, uint64_t a, uint64_t b) {
 
 /* --- time ------------------------------------------------------------------------------ */
 
-/* Expired timers with a descriptor become readable: it is an eventfd in truth. */
-static void fire(void) {
-  struct wire_fired fired[64];
-  uint32_t room = sizeof(fired);
-  if (lock_ask(WIRE_FIRED, 0, 0, NULL, 0, fired, &room) < 0) return;
-  for (uint32_t n = 0; n < room / sizeof(fired[0]); n++) {
-    uint64_t count = (uint64_t)fired[n].count;
-    (void)!syscall(SYS_write, fired[n].fd, &count, sizeof(count));
-  }
-}
-
 static void learn(const struct wire_now *now) {
   now_ns = now->ns;
   now_sample = now->sample;
   now_calls = wire_calls;
-  if (now->flags & NOW_FIRED) fire();
+  lock_timers(now_ns);
 }
 
 uint64_t lock_now(void) {
@@ -276,7 +267,7 @@ static int wait_once(const struct wire_wait *head, const int *files, const sigse
   result = answer(&told, &room);
   if (result < 0) return result;
   learn(&told.now);
-  may_be_later = told.now.flags & NOW_WRITES && later != NULL && last.length <= sizeof(last.data);
+  may_be_later = told.now.writes && later != NULL && last.length <= sizeof(last.data);
   if (room > sizeof(told.now))
     lock_learn(states->name, 0, told.states, states->asked, (int)(room - sizeof(told.now)));
   return result;
@@ -284,7 +275,7 @@ static int wait_once(const struct wire_wait *head, const int *files, const sigse
 
 int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, unsigned count,
               const sigset_t *mask, int keep) {
-  struct wire_wait head = {.until = until, .key = (uint64_t)(uintptr_t)key};
+  struct wire_wait head = {.key = (uint64_t)(uintptr_t)key};
   const int restart = (what & LOCK_RESTARTS) != 0;
   sigset_t all, before, meanwhile;
   int cause, saved = errno;
@@ -297,12 +288,15 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   for (;;) {
     uint64_t come;
     int heard = 0;
+    head.until = what & WAIT_FILES ? lock_timers(now_ns) : WIRE_NEVER;
+    if (until < head.until) head.until = until;
     head.pending = pending();
     cause = (head.pending & ~head.mask) != 0 && !(what & WAIT_DEAF)
                 ? CAUSE_SIGNAL
                 : wait_once(&head, files, &meanwhile, &heard);
     heard = heard && cause >= 0 && outside_ends(&meanwhile, restart);
     if (heard) cause = CAUSE_SIGNAL;
+    if (cause == CAUSE_DUE && head.until < until) cause = CAUSE_WOKEN; /* a timer's descriptor */
     if (cause != CAUSE_SIGNAL || keep) break;
     come = pending() & ~head.mask;
     pthread_sigmask(SIG_SETMASK, &meanwhile, NULL);
@@ -328,35 +322,40 @@ int lock_sample(uint32_t *number) {
 
 /* --- lines ----------------------------------------------------------------------------- */
 
-/* Memory for `later`, of this process alone; a descriptor of it. */
-static int make_later(void) {
-  int fd = memfd_create("mmcs", MFD_CLOEXEC);
+/* The server's memory for `later`, of this process alone. */
+static void map_later(int memory) {
+  struct ucred server;
+  socklen_t length = sizeof(server);
+  char path[64];
+  int fd = -1;
   later = NULL;
-  if (fd < 0 || ftruncate(fd, sizeof(*later)) < 0) return fd;
-  later = mmap(NULL, sizeof(*later), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  if (memory < 0 || getsockopt(line, SOL_SOCKET, SO_PEERCRED, &server, &length) < 0) return;
+  (void)snprintf(path, sizeof(path), "/proc/%d/fd/%d", server.pid, memory);
+  fd = (int)syscall(SYS_openat, AT_FDCWD, path, O_RDWR | O_CLOEXEC);
+  if (fd < 0) return;
+  later =
+      (void *)syscall(SYS_mmap, NULL, sizeof(*later), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0L);
   if (later == MAP_FAILED) later = NULL;
-  return fd;
+  (void)syscall(SYS_close, fd);
 }
 
 static void open_line(enum wire_line kind, unsigned number) {
   struct wire_now now = {0};
   uint32_t room = sizeof(now);
-  int memory = kind == LINE_THREAD ? -1 : make_later();
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   line = wire_connect(1);
   line_pid = wire_pid();
   if (line < 0 ||
-      request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), &memory,
-              memory < 0 ? 0 : sizeof(memory)) < 0 ||
+      request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), NULL, 0) < 0 ||
       answer(&now, &room) < 0) {
     enabled = 0;
   } else {
     learn(&now);
+    if (kind != LINE_THREAD) map_later(now.memory);
     (void)pthread_setspecific(at_end, &line);
   }
-  if (memory >= 0) (void)syscall(SYS_close, memory); /* the server has its own */
   pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
@@ -374,6 +373,7 @@ void lock_begin_thread(unsigned number) {
 
 static void child_of_fork(void) {
   close_line(); /* the parent's */
+  lock_forget_timers();
   known[0].length = known[1].length = 0;
   if (enabled) open_line(LINE_CHILD, 0);
 }

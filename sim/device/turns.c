@@ -26,10 +26,6 @@ uint64_t now_of(const struct turns *t) {
   return (uint64_t)((__int128)clock_of(t) * SECOND / t->hz);
 }
 
-static int64_t last_moment(const struct turns *t) {
-  return clock_of(t) + (int64_t)(NO_SAMPLE_S * (double)t->hz);
-}
-
 static double wall(void) {
   struct timespec now;
   (void)clock_gettime(CLOCK_MONOTONIC, &now);
@@ -55,12 +51,10 @@ static void begin(struct turns *t) {
 struct turns *turns_create(mmcs_sim *sim, mmcs_server *server, int epoll) {
   struct turns *t = calloc(1, sizeof(*t));
   if (t == NULL) abort();
-  *t = (struct turns){.sim = sim, .server = server, .epoll = epoll};
+  *t = (struct turns){.limit = INT64_MAX, .silent_s = 5, .outside_s = 1, .good = 1, .sim = sim};
+  t->server = server;
+  t->epoll = epoll;
   t->hz = mmcs_sim_build_clk_hz();
-  t->limit = INT64_MAX;
-  t->good = 1;
-  t->silent_s = 5;
-  t->outside_s = 1;
   t->last_process = t->last_line = -1;
   return t;
 }
@@ -84,6 +78,10 @@ void turns_expect(struct turns *t, int pid) {
   p->handle = in.data.fd = (int)syscall(SYS_pidfd_open, pid, 0);
   p->state = p->handle < 0 ? ENDED : STARTING;
   if (p->handle >= 0) (void)epoll_ctl(t->epoll, EPOLL_CTL_ADD, p->handle, &in);
+  p->memory = memfd_create("mmcs", MFD_CLOEXEC);
+  if (p->memory >= 0 && ftruncate(p->memory, sizeof(*p->later)) == 0)
+    p->later = mmap(NULL, sizeof(*p->later), PROT_READ | PROT_WRITE, MAP_SHARED, p->memory, 0);
+  if (p->later == MAP_FAILED) p->later = NULL;
   begin(t);
 }
 
@@ -102,7 +100,8 @@ static void join(struct process *p) {
   }
 }
 
-void look(struct line *l) {
+/* Descriptors may be ready: it looks at them. */
+static void look(struct line *l) {
   if (wants(l, WAIT_FILES)) ready(l, CAUSE_WOKEN);
 }
 
@@ -132,21 +131,26 @@ void leave_line(struct turns *t, struct line *l, int says_so) {
   if (p->lines == NULL && p->state == THERE) p->state = STARTING; /* another program, or its end */
 }
 
-void open_line(struct turns *t, int fd, uint64_t kind, uint64_t key, int pid) {
-  struct process *p = process_of(t, pid);
-  struct line *l = calloc(1, sizeof(*l)), **at = &p->lines;
+void turns_line(struct turns *t, int fd, const void *request) {
+  struct wire_request r;
+  struct process *p;
+  struct line *l = calloc(1, sizeof(*l)), **at;
   if (l == NULL) abort();
-  if ((kind & 0xFF) == LINE_THREAD) {
+  memcpy(&r, request, sizeof(r));
+  write_later(t);
+  turns_expect(t, r.pid);
+  p = process_of(t, r.pid);
+  if ((r.a & 0xFF) == LINE_THREAD) {
     p->expected--;
   } else {
     while (p->lines != NULL) drop(t, p, p->lines); /* of the program that it was before */
     p->expected = 0;
   }
   if (p->state == STARTING) p->state = THERE; /* also if main() has ended before a thread began */
-  *l = (struct line){.process = p, .fd = fd, .number = (int64_t)(kind >> 8), .key = key};
+  *l = (struct line){.process = p, .fd = fd, .number = (int64_t)(r.a >> 8), .key = r.b};
   l->wait.until = WIRE_NEVER;
   ready(l, CAUSE_DUE);
-  while (*at != NULL && (*at)->number <= l->number) at = &(*at)->next;
+  for (at = &p->lines; *at != NULL && (*at)->number <= l->number;) at = &(*at)->next;
   l->next = *at;
   *at = l;
   t->lines++;
@@ -154,19 +158,15 @@ void open_line(struct turns *t, int fd, uint64_t kind, uint64_t key, int pid) {
 }
 
 /* Signals are pending in a process: the first thread that lets one through wakes. */
-static void deliver(struct process *p, uint64_t signals) {
+void turns_signalled(struct turns *t, int pid, uint64_t signals) {
+  const struct process *p = process_of(t, pid);
   struct line *first = NULL;
-  for (struct line *l = p->lines; l != NULL; l = l->next) {
+  for (struct line *l = p != NULL ? p->lines : NULL; l != NULL; l = l->next) {
     if (l->state == RUNS || l->wait.what & WAIT_DEAF || (signals & ~l->wait.mask) == 0) continue;
     if (l->state == READY) return;
     if (first == NULL) first = l;
   }
   if (first != NULL) ready(first, CAUSE_SIGNAL);
-}
-
-void turns_signalled(struct turns *t, int pid, uint64_t signals) {
-  struct process *p = process_of(t, pid);
-  if (p != NULL) deliver(p, signals);
 }
 
 /* Processes that have ended, or all. */
@@ -181,6 +181,7 @@ static int forget(struct turns *t, int all) {
     while (p->lines != NULL) drop(t, p, p->lines);
     if (p->handle >= 0) (void)close(p->handle);
     if (p->later != NULL) (void)munmap(p->later, sizeof(*p->later));
+    if (p->memory >= 0) (void)close(p->memory);
     free(p);
     found = 1;
   }
@@ -196,7 +197,7 @@ static void reap(struct turns *t) {
   if (!forget(t, 0)) return;
   others_ran(t, NULL);
   EACH_LINE(t, p, l) if (wants(l, WAIT_CHILD)) ready(l, CAUSE_WOKEN);
-  EACH_PROCESS(t, p) deliver(p, BIT(SIGCHLD));
+  EACH_PROCESS(t, p) turns_signalled(t, p->pid, BIT(SIGCHLD));
 }
 
 /* --- what a line asks ------------------------------------------------------------------ */
@@ -207,10 +208,10 @@ void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
   struct process *p = l->process;
   l->wait = *wait;
   l->state = WAITS;
-  l->patience = last_moment(t);
+  l->patience = clock_of(t) + (int64_t)(NO_SAMPLE_S * (double)t->hz);
   if (t->running == l) t->running = NULL;
   if (!(wait->what & WAIT_AGAIN)) others_ran(t, l);
-  if (wait->pending) deliver(p, wait->pending);
+  if (wait->pending) turns_signalled(t, p->pid, wait->pending);
   join(p);
   if (wait->what & WAIT_CHILD && t->processes->next == NULL) {
     ready(l, CAUSE_OUTSIDE);
@@ -239,16 +240,10 @@ int turns_rest(const struct turns *t) {
   return turns_busy(t) || t->processes == NULL;
 }
 
-static void tell(struct turns *t, int pid, enum turns_why why) {
+static void tell(struct turns *t, const struct process *p, enum turns_why why) {
   if (t->told || wall() - t->began < (why == TURNS_SILENT ? t->silent_s : t->outside_s)) return;
   t->told = 1;
-  t->tell(pid, (int)why);
-}
-
-static void tell_of_silence(struct turns *t) {
-  const struct line *l = t->running;
-  const struct process *p = l != NULL ? l->process : awaited(t);
-  tell(t, p != NULL ? p->pid : 0, l != NULL && l->outside ? TURNS_OUTSIDE : TURNS_SILENT);
+  t->tell(p != NULL ? p->pid : 0, (int)why);
 }
 
 /* The next line that may go on, behind the one that ran last. */
@@ -317,12 +312,12 @@ static int pass_time(struct turns *t) {
     outside |= of_files && l->outside;
     if (of_files && files == NULL) files = l;
   }
-  EACH_PROCESS(t, p) EACH_TIMER(p, timer) if (timer->is.first < end) end = timer->is.first;
+  EACH_PROCESS(t, p) EACH_TIMER(p, timer) if (timer->first < end) end = timer->first;
   if (files != NULL && end == WIRE_NEVER && !samples && !others) {
     ready(files, CAUSE_OUTSIDE); /* only the outside world can go on */
     return GOES_ON;
   }
-  if (stuck != NULL) tell(t, stuck->pid, TURNS_EACH_OTHER);
+  if (stuck != NULL) tell(t, stuck, TURNS_EACH_OTHER);
   to = clock + (int64_t)((outside ? LOOK_S : STRETCH_S) * (double)t->hz);
   if (end != WIRE_NEVER) {
     const __int128 due = ((__int128)end * t->hz + SECOND - 1) / SECOND;
@@ -357,7 +352,9 @@ int turns_run(struct turns *t, int turns, int timeout_ms) {
     busy = turns_busy(t);
     n = epoll_wait(t->epoll, came, 2, busy ? timeout_ms : 0);
     if (n == 0 && !busy && t->processes != NULL) continue;
-    if (n == 0 && busy) tell_of_silence(t);
+    if (n == 0 && busy && t->running == NULL) tell(t, awaited(t), TURNS_SILENT);
+    if (n == 0 && t->running != NULL)
+      tell(t, t->running->process, t->running->outside ? TURNS_OUTSIDE : TURNS_SILENT);
     if (n != 1 || !turns_hear(t, came[0].data.fd)) break;
   }
   return GOES_ON;

@@ -27,11 +27,6 @@ struct line {
   int outside;      /* no attached process has the other ends of those */
 };
 
-struct timer {
-  struct wire_timer is; /* first = 0: off */
-  int32_t fired;        /* how often it has run out, and its program does not know yet */
-};
-
 struct process {
   struct process *next; /* in the order of their starts */
   int pid, handle;
@@ -39,18 +34,18 @@ struct process {
   enum { STARTING, THERE, ENDED } state; /* STARTING: has no line yet, and will */
   int expected;                          /* threads of it of which the same holds */
   struct line *lines;
-  struct timer timer[WIRE_TIMERS];
-  uint64_t timers;          /* of those, that may be on */
-  struct wire_later *later; /* or null */
+  struct wire_timer timer[WIRE_TIMERS];
+  struct wire_later *later; /* or null; in memory of this descriptor */
+  int memory;
   /* Of the last read() and write(); events there were if it took no time and had no error, or -1 */
   mmcs_client *reads, *writes;
   int64_t quiet, wrote;
   char name[WIRE_NAME]; /* of the file of that write() */
 };
 
-#define EACH_TIMER(p, i)                                                \
-  for (struct timer *i = (p)->timer; i < (p)->timer + (p)->timers; i++) \
-    if (i->is.first > 0)
+#define EACH_TIMER(p, i)                                                     \
+  for (struct wire_timer *i = (p)->timer; i < (p)->timer + WIRE_TIMERS; i++) \
+    if (i->first > 0)
 #define EACH_PROCESS(t, p) for (struct process *p = (t)->processes; p != NULL; p = p->next)
 #define EACH_LINE(t, p, l) \
   EACH_PROCESS(t, p) for (struct line *l = p->lines; l != NULL; l = l->next)
@@ -59,14 +54,11 @@ struct process {
 int64_t clock_of(const struct turns *t);
 uint64_t now_of(const struct turns *t);
 struct process *process_of(const struct turns *t, int pid);
-void open_line(struct turns *t, int fd, uint64_t kind, uint64_t key, int pid);
 void leave_line(struct turns *t, struct line *l, int says_so);
 void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
                 const int32_t *files);
 void ready(struct line *l, enum wire_cause cause);
 int wants(const struct line *l, unsigned what);
-/* Descriptors may be ready: it looks at them. */
-void look(struct line *l);
 
 /* lines.c */
 int64_t events_of(const struct turns *t);

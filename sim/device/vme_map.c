@@ -57,18 +57,16 @@ static __thread struct {
 /* Width in bytes of the memory operand of the instruction at `code`, and whether it only stores.
  * Knows the moves and arithmetic that compilers emit; anything else counts as 4 bytes wide. */
 static uint32_t operand_width(const uint8_t *code, int *pure_store) {
+  static const uint8_t prefixes[] = {0x66, 0xF2, 0xF3, 0x2E, 0x36, 0x3E, 0x26, 0x64, 0x65, 0xF0};
+  static const uint8_t of_bytes[] = {0x80, 0x82, 0x84, 0x86, 0x88, 0x8A, 0xA4,
+                                     0xAA, 0xC0, 0xC6, 0xD0, 0xD2, 0xF6, 0xFE};
+  static const uint8_t stores[] = {0x88, 0x89, 0xC6, 0xC7, 0xAA, 0xAB};
   int wide16 = 0, rex_w = 0;
   uint8_t op;
-  for (;; code++) {
-    if (*code == 0x66)
-      wide16 = 1;
-    else if (*code != 0xF2 && *code != 0xF3 && *code != 0x2E && *code != 0x36 && *code != 0x3E &&
-             *code != 0x26 && *code != 0x64 && *code != 0x65 && *code != 0xF0)
-      break;
-  }
+  for (; memchr(prefixes, *code, sizeof(prefixes)) != NULL; code++) wide16 |= *code == 0x66;
   if ((*code & 0xF0) == 0x40) rex_w = *code++ & 8;
   op = *code;
-  *pure_store = op == 0x88 || op == 0x89 || op == 0xC6 || op == 0xC7 || op == 0xAA || op == 0xAB;
+  *pure_store = memchr(stores, op, sizeof(stores)) != NULL;
   if (op == 0x0F) {
     op = code[1];
     *pure_store = op == 0x11 || op == 0x29 || op == 0x7F || op == 0xD6 || op == 0x7E;
@@ -79,11 +77,7 @@ static uint32_t operand_width(const uint8_t *code, int *pure_store) {
     return rex_w ? 8 : 4;
   }
   if (op == 0x63) return 4; /* movsxd */
-  if ((op < 0x40 && (op & 7) < 4) || (op >= 0x80 && op <= 0x8B) || op == 0xA4 || op == 0xA5 ||
-      op == 0xAA || op == 0xAB || op == 0xC6 || op == 0xC7 || op == 0xF6 || op == 0xF7 ||
-      op == 0xFE || op == 0xFF || op == 0xC0 || op == 0xC1 || (op >= 0xD0 && op <= 0xD3))
-    if (op == 0x80 || op == 0x82 || (!(op & 1) && op != 0x83)) return 1;
-  if (op == 0xD2 || op == 0xD0) return 1;
+  if (op < 0x40 ? (op & 5) == 0 : memchr(of_bytes, op, sizeof(of_bytes)) != NULL) return 1;
   return wide16 ? 2 : rex_w ? 8 : 4;
 }
 

@@ -134,22 +134,29 @@ static int is_over(uint64_t until) {
   return 1;
 }
 
+/* What a call finds ready `now`; or waits for `files` and looks again, after `anew`. Where only the
+ * outside world can make them ready, the call itself waits: `outside`. */
+#define UNTIL_READY(now, files, count, until, mask, anew, outside)            \
+  for (unsigned what_ = (count) > 0 ? WAIT_FILES : 0;; what_ |= WAIT_AGAIN) { \
+    int cause_, ready_ = (now);                                               \
+    if (ready_ != 0 || is_over(until)) return ready_;                         \
+    cause_ = lock_wait(what_, until, NULL, files, count, mask, 0);            \
+    anew;                                                                     \
+    if (cause_ == CAUSE_SIGNAL) return interrupted();                         \
+    if (cause_ == CAUSE_OUTSIDE) return (outside);                            \
+  }
+
 CALL(int, ppoll,
      (struct pollfd * fds, nfds_t n, const struct timespec *timeout, const sigset_t *mask),
      (fds, n, timeout, mask)) {
   static const struct timespec none = {0};
   const uint64_t until = timeout != NULL ? lock_after(lock_ns(timeout)) : WIRE_NEVER;
   int files[64];
-  unsigned count = 0, what;
+  unsigned count = 0;
   for (nfds_t i = 0; i < n && count < 64; i++)
     if (fds[i].fd >= 0) files[count++] = fds[i].fd;
-  for (what = count > 0 ? WAIT_FILES : 0;; what |= WAIT_AGAIN) {
-    int cause, ready = REAL(ppoll)(fds, n, &none, NULL);
-    if (ready != 0 || is_over(until)) return ready;
-    cause = lock_wait(what, until, NULL, files, count, mask, 0);
-    if (cause == CAUSE_SIGNAL) return interrupted();
-    if (cause == CAUSE_OUTSIDE) return REAL(ppoll)(fds, n, NULL, mask);
-  }
+  UNTIL_READY(REAL(ppoll)(fds, n, &none, NULL), files, count, until, mask, ,
+              REAL(ppoll)(fds, n, NULL, mask))
 }
 
 int poll(struct pollfd *fds, nfds_t n, int ms) {
@@ -165,23 +172,17 @@ int __poll_chk(struct pollfd *fds, nfds_t n, int ms, size_t size) {
 static int select_until(int n, fd_set *in, fd_set *out, fd_set *bad, uint64_t until,
                         const sigset_t *mask) {
   fd_set asked[3] = {0}, *set[3] = {in, out, bad};
+  static const struct timespec none = {0};
   int files[64];
-  unsigned count = 0, what;
+  unsigned count = 0;
   for (int i = 0; i < 3; i++)
     if (set[i] != NULL) asked[i] = *set[i];
   for (int fd = 0; fd < n && count < 64; fd++)
     if ((in && FD_ISSET(fd, in)) || (out && FD_ISSET(fd, out)) || (bad && FD_ISSET(fd, bad)))
       files[count++] = fd;
-  for (what = count > 0 ? WAIT_FILES : 0;; what |= WAIT_AGAIN) {
-    struct timespec none = {0};
-    int cause, ready = REAL(pselect)(n, in, out, bad, &none, NULL);
-    if (ready != 0 || is_over(until)) return ready;
-    cause = lock_wait(what, until, NULL, files, count, mask, 0);
-    for (int i = 0; i < 3; i++)
-      if (set[i] != NULL) *set[i] = asked[i];
-    if (cause == CAUSE_SIGNAL) return interrupted();
-    if (cause == CAUSE_OUTSIDE) return REAL(pselect)(n, in, out, bad, NULL, mask);
-  }
+  UNTIL_READY(REAL(pselect)(n, in, out, bad, &none, NULL), files, count, until, mask,
+              for (int i = 0; i < 3; i++) if (set[i] != NULL) * set[i] = asked[i],
+              REAL(pselect)(n, in, out, bad, NULL, mask))
 }
 
 CALL(int, select, (int n, fd_set *in, fd_set *out, fd_set *bad, struct timeval *timeout),
@@ -209,13 +210,8 @@ CALL(int, pselect,
 CALL(int, epoll_pwait, (int fd, struct epoll_event *events, int most, int ms, const sigset_t *mask),
      (fd, events, most, ms, mask)) {
   const uint64_t until = ms < 0 ? WIRE_NEVER : lock_after((uint64_t)ms * 1000000);
-  for (unsigned what = WAIT_FILES;; what |= WAIT_AGAIN) {
-    int cause, ready = REAL(epoll_pwait)(fd, events, most, 0, NULL);
-    if (ready != 0 || is_over(until)) return ready;
-    cause = lock_wait(what, until, NULL, &fd, 1, mask, 0);
-    if (cause == CAUSE_SIGNAL) return interrupted();
-    if (cause == CAUSE_OUTSIDE) return REAL(epoll_pwait)(fd, events, most, -1, mask);
-  }
+  UNTIL_READY(REAL(epoll_pwait)(fd, events, most, 0, NULL), &fd, 1, until, mask, ,
+              REAL(epoll_pwait)(fd, events, most, -1, mask))
 }
 
 int epoll_wait(int fd, struct epoll_event *events, int most, int ms) {

@@ -28,10 +28,6 @@ __attribute__((constructor(101))) static void keep_path(void) {
   if (length < sizeof(server_path)) memcpy(server_path, path, length + 1);
 }
 
-static const char *socket_path(void) {
-  return server_path[0] != '\0' ? server_path : NULL;
-}
-
 /* getpid() without a call of the kernel, which clears the page in the child of a fork. */
 pid_t wire_pid(void) {
   static pid_t *page;
@@ -123,15 +119,14 @@ static int is_mine(int fd) {
 int wire_connect(int cloexec) {
   struct sockaddr_un address = {.sun_family = AF_UNIX};
   const struct timeval late = {0, LATE_MS * 1000};
-  const char *path = socket_path();
   int fd;
-  if (path == NULL) return -ENXIO;
+  if (!server_path[0]) return -ENXIO;
   fd = socket(AF_UNIX, SOCK_STREAM | (cloexec ? SOCK_CLOEXEC : 0), 0);
   if (fd < 0) return -errno;
   (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &late, sizeof(late));
   /* autobind: the kernel picks a free abstract address */
   if (bind(fd, (struct sockaddr *)&address, sizeof(address.sun_family)) == 0) {
-    memcpy(address.sun_path, path, strlen(path) + 1);
+    memcpy(address.sun_path, server_path, sizeof(address.sun_path));
     if (connect(fd, (struct sockaddr *)&address, sizeof(address)) == 0 && is_mine(fd)) return fd;
   }
   close_directly(fd);
@@ -178,30 +173,22 @@ static __thread struct {
 } known[8];
 
 int wire_is_file(int fd, char name[WIRE_NAME]) {
-  struct sockaddr_un address = {0};
+  struct sockaddr_un own = {0}, peer = {0};
   struct stat status = {0};
-  socklen_t length = sizeof(address);
-  const char *path = socket_path();
-  int ours = 0, saved = errno, place = fd & 7;
-  if (fd < 0 || syscall(SYS_fstat, fd, &status) != 0 || !S_ISSOCK(status.st_mode)) goto end;
-  if (status.st_ino == known[place].inode) {
-    memcpy(name, known[place].name, WIRE_NAME);
-    return 1;
-  }
-  if (path != NULL && getpeername(fd, (struct sockaddr *)&address, &length) == 0 &&
-      address.sun_family == AF_UNIX && length > sizeof(address.sun_family) &&
-      strncmp(address.sun_path, path, sizeof(address.sun_path)) == 0) {
-    length = sizeof(address);
-    memset(&address, 0, sizeof(address));
-    if (getsockname(fd, (struct sockaddr *)&address, &length) == 0) {
-      memcpy(name, address.sun_path + 1, WIRE_NAME - 1);
-      name[WIRE_NAME - 1] = 0;
-      ours = 1;
+  socklen_t length = sizeof(peer), own_length = sizeof(own);
+  const int place = fd & 7, saved = errno;
+  int ours = fd >= 0 && syscall(SYS_fstat, fd, &status) == 0 && S_ISSOCK(status.st_mode);
+  if (ours && status.st_ino != known[place].inode) {
+    ours = server_path[0] && getpeername(fd, (struct sockaddr *)&peer, &length) == 0 &&
+           peer.sun_family == AF_UNIX &&
+           strncmp(peer.sun_path, server_path, sizeof(peer.sun_path)) == 0 &&
+           getsockname(fd, (struct sockaddr *)&own, &own_length) == 0;
+    if (ours) {
       known[place].inode = status.st_ino;
-      memcpy(known[place].name, name, WIRE_NAME);
+      memcpy(known[place].name, own.sun_path + 1, WIRE_NAME - 1);
     }
   }
-end:
+  if (ours) memcpy(name, known[place].name, WIRE_NAME);
   errno = saved;
   return ours;
 }

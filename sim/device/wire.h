@@ -19,9 +19,9 @@
 
 enum wire_number {
   WIRE_NAME = 16,
-  WIRE_MAX = 65536,        /* most bytes that one call moves either way */
-  WIRE_TIMERS = 64 + 1024, /* numbers of timers: those behind the first 64 have a descriptor */
-  WIRE_MAGIC = 0x31434D4D  /* "MMC1" */
+  WIRE_MAX = 65536,       /* most bytes that one call moves either way */
+  WIRE_TIMERS = 64,       /* of a process */
+  WIRE_MAGIC = 0x31434D4D /* "MMC1" */
 };
 
 enum wire_op {
@@ -39,8 +39,8 @@ enum wire_op {
                       the other fields stay; reply data = struct mc_param */
   /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
   WIRE_LINE = 12,   /* a = enum wire_line and, from bit 8, the thread's number in its process, b =
-                       thread: this is its line; data = the descriptor of a struct wire_later, but of
-                       a thread. Answered when it may run. Again: the thread ends, no answer */
+                       thread: this is its line. Answered when it may run. Again: the thread ends, no
+                       answer */
   WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors; answered when it may run again: result
                        = enum wire_cause, data = struct wire_now. a = bytes of states that may follow
                        it, as read() would give them */
@@ -48,10 +48,9 @@ enum wire_op {
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
   WIRE_TIMER = 16,  /* a = number below WIRE_TIMERS, data = struct wire_timer, or none; reply data =
                        what was left */
-  WIRE_FIRED = 17,  /* reply data = pairs of a timer's descriptor and how often it has run out */
-  WIRE_NOW = 18,    /* reply data = struct wire_now */
-  WIRE_POKE = 19,   /* a = pid, b = signal: this thread has sent it one */
-  WIRE_CANCEL = 20, /* on a line that waits: a signal from outside has come. It has no answer */
+  WIRE_NOW = 17,    /* reply data = struct wire_now */
+  WIRE_POKE = 18,   /* a = pid, b = signal: this thread has sent it one */
+  WIRE_CANCEL = 19, /* on a line that waits: a signal from outside has come. It has no answer */
 };
 
 enum wire_line { LINE_PROGRAM = 0, LINE_THREAD = 1, LINE_CHILD = 2 };
@@ -88,12 +87,9 @@ struct wire_wait {
 struct wire_now {
   uint64_t ns;     /* machine time */
   uint32_t sample; /* since power-on */
-  uint32_t flags;  /* enum wire_flag */
-};
-
-enum wire_flag {
-  NOW_FIRED = 1, /* WIRE_FIRED has something */
-  NOW_WRITES = 2 /* a write() as the last one, before time goes on, succeeds and takes no time */
+  int32_t writes;  /* 1: a write() as the last one, before time goes on, succeeds at once */
+  int32_t memory;  /* the server's descriptor of this process' struct wire_later */
+  int32_t none;
 };
 
 /* A write() that nobody waits for, in memory that the server shares: carried out in front of what
@@ -104,16 +100,10 @@ struct wire_later {
   char data[128]; /* of 32 axes */
 };
 
-/* Of WIRE_FIRED. */
-struct wire_fired {
-  int32_t fd, count;
-};
-
 struct wire_timer {
   uint64_t first, interval; /* ns; first = machine time, 0: off */
   uint64_t value;           /* goes with the signal */
-  int32_t signal;           /* 0: none */
-  int32_t fd;               /* -1: none */
+  int64_t signal;           /* 0: none */
 };
 
 /* With the flags of WIRE_OPEN: SIGUSR1 only to processes that catch it. */
