@@ -152,9 +152,9 @@ def run_folders(name: str) -> list[Path]:
     return list(dict.fromkeys([results("runs") / name, Path("runs") / name]))
 
 
+@functools.cache
 def digest() -> str:
-    """Of the simulator's sources as they are now: 16 digits, those at the end of a build's
-    identity (mmcs_sim_build_id)."""
+    """Of the simulator's sources as this process first saw them: the end of a build's identity."""
     script = digest_script()
     return script["digest"](script["sources"](ROOT))
 

@@ -2,12 +2,17 @@
 """Set-up files (sim/abi/mmcs_service.h): written for the engine's reader, and what Python needs of
 one."""
 
+import hashlib
 import json
 import re
 import zlib
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 
+from mmcs.folder import whole_file
 from mmcs.mcdef import make_ffi
-from mmcs.place import ROOT
+from mmcs.place import BUILD, ROBOTS, ROOT, SCENARIOS, digest, workshop
 
 RECORDS = dict(
     re.findall(r"^RECORD\((\w+), ([\w ]+)\)", (ROOT / "sim/setup/records.def").read_text(), re.M)
@@ -66,3 +71,25 @@ def source(found: dict) -> object:
         return json.loads(zlib.decompress(bytes(make_ffi().buffer(found["source"]))))
     except zlib.error:
         raise ValueError("holds no scenario to judge by: make it by `mmcs compile`") from None
+
+
+def kept(scenario: str, sets: tuple[str, ...], make: Callable[[], tuple[dict, bytes]]):
+    """What make() makes of a scenario: something that JSON has, and a set-up. That of a scenario of
+    ours is kept until a source changes, since to check it takes longer than a short run."""
+    if scenario.endswith((".toml", ".bin")) or "/" in scenario:
+        return make()
+    made_of = hashlib.sha256(repr((digest(), scenario, sets)).encode())
+    for folder in (SCENARIOS, ROBOTS, Path(__file__).parent / "scenario", Path(__file__).parent):
+        for file in sorted(folder.glob("**/*.*" if folder == SCENARIOS else "*.*")):
+            made_of.update(file.read_bytes())
+    key, path = made_of.hexdigest().encode(), workshop() / BUILD / "setups" / f"{scenario}.kept"
+    with suppress(OSError, ValueError):
+        of, told, setup = path.read_bytes().split(b"\n", 2)
+        if of == key and read(setup):
+            return json.loads(told), setup
+    told, setup = make()
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as part:
+            part.write_bytes(b"\n".join((key, json.dumps(told).encode(), setup)))
+    return told, setup

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs replay` and `mmcs trace`: runs made again."""
 
+import contextlib
 import sys
 from pathlib import Path
 
@@ -55,7 +56,7 @@ def trace(run: str, at: str | None, window: float, out: Path | None, view: bool)
         raise InputError.one("--out", "", str(out), "must be a file name ending in .fst")
     check_packages()
     replays.check_window(window)
-    record, good = _made(run)
+    record, good = _made(run, at)
     from_s, to_s = replays.stretch(record, at, window)
     path = check_file(out or replays.default_path(record, from_s, to_s))
     where, other_build = replays.trace(record, path, from_s, to_s)
@@ -74,7 +75,7 @@ def trace(run: str, at: str | None, window: float, out: Path | None, view: bool)
     sys.exit(0 if good else 1)
 
 
-def _made(name: str):
+def _made(name: str, at: str | None):
     """The record of a run, or of a scenario's that is made now; and whether that was good."""
     from mmcs.place import results
     from mmcs.runs.record import read_record
@@ -86,6 +87,9 @@ def _made(name: str):
     if not is_scenario:
         return read_record(name), True
     setup = load(name, ())
+    with contextlib.suppress(TypeError, ValueError):  # the kind of an event, or nothing
+        if float(at) > (most := setup.scenario.duration):
+            raise InputError.one("--at", "", at, f"must be at most {most:g} s, the end of the run")
     folder = results("runs", setup.path) / setup.name
     good = run_scenario(setup, folder)
     return read_record(str(folder)), good

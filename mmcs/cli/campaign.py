@@ -10,7 +10,6 @@ import click
 from mmcs.cli.sweep import carry_out, check_workers, ended, kept, many_runs
 from mmcs.errors import InputError
 from mmcs.place import SCENARIOS, results
-from mmcs.screen import console as screen
 from mmcs.screen import echo
 
 
@@ -76,7 +75,7 @@ def _stops(words, sets, workers: int, out: Path | None) -> int:
     with whole_file(folder / REPORT) as part:
         part.write_text(table)
     echo(table)
-    return ended(screen(), folder, REPORT, "", False)
+    return ended(folder, REPORT, "", False)
 
 
 def _run(plan, store, client, workers: int, count: int) -> bool:
@@ -101,12 +100,11 @@ def _finish(plan, rows: dict[int, dict], folder: Path, command: str, whole: bool
     """Writes and prints what there is; the exit status."""
     from mmcs.sweeps.campaign_report import REPORT, print_summary, write_report
 
-    console = screen()
     rows = {n: rows[n] for n in sorted(rows)}
     if rows:
         write_report(folder, plan, rows, command)
-        print_summary(plan, rows, console)
+        print_summary(plan, rows)
     lost = sum(row["status"] == "failed" for row in rows.values())
     if lost:
-        console.print(f"{lost} of {len(rows)} faults could not be run")
-    return ended(console, folder, REPORT, "" if whole else f"{len(rows)} faults", bool(lost))
+        echo(f"{lost} of {len(rows)} faults could not be run")
+    return ended(folder, REPORT, "" if whole else f"{len(rows)} faults", bool(lost))

@@ -40,11 +40,22 @@ def _with_results(scenario: str, sets: tuple[str, ...], command: list[str], out:
 def _machine(scenario: str, sets: tuple[str, ...] = ()):
     """The powered machine of a scenario, and what is told of it; nothing is configured, that is the
     program's job."""
-    from mmcs.runs.machine import machine
+    from mmcs import setup_file
+    from mmcs.engine.build import ensure_library
+    from mmcs.engine.sim import Sim
+
+    told, setup = setup_file.kept(scenario, sets, lambda: _compiled(scenario, sets))
+    return Sim(ensure_library(*told["library"]), setup), told["about"]
+
+
+def _compiled(scenario: str, sets: tuple[str, ...]) -> tuple[dict, bytes]:
+    from mmcs.runs.machine import compiled
     from mmcs.scenario.load import load
 
     setup = load(scenario, sets)
-    return machine(setup), {"scenario": scenario, "machine": setup.about()}
+    about, its = {"scenario": scenario, "machine": setup.about()}, setup.scenario
+    library = its.cards, "speed", its.clk_hz, its.heartbeat_us
+    return {"library": library, "about": about}, compiled(setup)
 
 
 @click.command()

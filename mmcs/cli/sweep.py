@@ -12,7 +12,6 @@ import click
 
 from mmcs.errors import InputError
 from mmcs.place import results
-from mmcs.screen import console as screen
 from mmcs.screen import echo
 from mmcs.screen import progress as bar
 
@@ -139,25 +138,24 @@ def _finish(plan, rows: dict, folder: Path, whole: bool) -> int:
     """Writes and prints what there is; the exit status."""
     from mmcs.sweeps.store import TABLE, print_summary, write_table
 
-    console = screen()
     rows = {n: rows[n] for n in sorted(rows) if n < len(plan)}
     if rows:
         write_table(folder, plan, rows)
-        print_summary(plan, rows, console)
+        print_summary(plan, rows)
     missed = sum(row["status"] == "missed" for row in rows.values())
     lost = sum(row["status"] == "failed" for row in rows.values())
     if missed or lost:
-        console.print(f"{missed} of {len(rows)} runs missed an expectation, {lost} failed")
+        echo(f"{missed} of {len(rows)} runs missed an expectation, {lost} failed")
     done = "" if whole else f"{len(rows)} of {len(plan)} runs"
-    return ended(console, folder, TABLE, done, bool(missed or lost))
+    return ended(folder, TABLE, done, bool(missed or lost))
 
 
-def ended(console, folder: Path, files: str, stopped: str, bad: bool) -> int:
+def ended(folder: Path, files: str, stopped: str, bad: bool) -> int:
     """Prints where the results are, and after what it was stopped; the exit status."""
     from mmcs.files import short
 
-    console.print(f"results in {short(folder)}: {files}")
+    echo(f"results in {short(folder)}: {files}")
     if stopped:
-        console.print(f"stopped after {stopped}; go on with --resume")
+        echo(f"stopped after {stopped}; go on with --resume")
         return 130
     return int(bad)

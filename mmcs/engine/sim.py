@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from mmcs import mcdef
 from mmcs.cached import once
@@ -17,6 +16,9 @@ from mmcs.engine.script import Playing, listed, made_from
 from mmcs.engine.watching import Watching
 from mmcs.errors import RunError
 from mmcs.mcdef import make_ffi
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @once
@@ -130,7 +132,7 @@ class Sim(Watching, Playing):
         )
         return result, self.ffi.string(refused).decode()
 
-    # read, write and ioctl for arguments that come from another process
+    # ioctl for arguments that come from another process
 
     def ioctl_bytes(self, client: int, request: int, data: bytes) -> tuple[int, bytes]:
         return self.asked(request, data, self.lib.mmcs_sim_ioctl, self._sim, client)
@@ -143,12 +145,6 @@ class Sim(Watching, Playing):
         pointer = self.ffi.from_buffer(argument)
         result = call(*of, request, pointer)
         return result, bytes(argument[:size]) if result >= 0 and request & 0x40000000 else b""
-
-    def read_bytes(self, client: int, n: int) -> tuple[int, bytes]:
-        """At most n bytes of whole states."""
-        data = bytearray(min(n, 4096))
-        result = self.lib.mmcs_sim_read(self._sim, client, self.ffi.from_buffer(data), len(data))
-        return result, bytes(data[: max(result, 0)])
 
     def signals(self, client: int) -> int:
         return self.lib.mmcs_sim_signals(self._sim, client)
@@ -216,6 +212,8 @@ class Sim(Watching, Playing):
     def log(self) -> np.ndarray:
         """A copy of the log, but for what was taken: a row per servo sample, columns as in the
         header."""
+        import numpy as np
+
         rows, cols = self.ffi.new("int64_t *"), self.ffi.new("int32_t *")
         data = self.lib.mmcs_sim_log(self._sim, rows, cols)
         if not rows[0]:

@@ -2,11 +2,7 @@
 """The parts of a Sim that look on: nets clock by clock and the cycles of the VME bus, for waveforms
 without a file; sample by sample, for programs in lock-step."""
 
-import numpy as np
-
 from mmcs.errors import RunError
-
-CHANGE = np.dtype([("clock", "i8"), ("net", "i4"), ("value", "u4")])  # mmcs_change
 
 
 class Watching:
@@ -18,12 +14,15 @@ class Watching:
                     f"{net}: no register or port, or this machine does not see each clock"
                 )
 
-    def changes(self) -> np.ndarray:
-        """Clock, number of the net, value after the clock; in order."""
+    def changes(self):
+        """An array: clock, number of the net, value after the clock; in order."""
+        import numpy as np
+
+        change = np.dtype([("clock", "i8"), ("net", "i4"), ("value", "u4")])  # mmcs_change
         out = self.ffi.new("const mmcs_change **")
         count = self.lib.mmcs_sim_changes(self._sim, out)
-        raw = self.ffi.buffer(out[0], count * CHANGE.itemsize) if count else b""
-        return np.frombuffer(raw, CHANGE).copy()
+        raw = self.ffi.buffer(out[0], count * change.itemsize) if count else b""
+        return np.frombuffer(raw, change).copy()
 
     def run_to(self, clock: int, samples: bool) -> bool:
         """As run() up to a clock, or to the next SIGUSR1, or if asked servo sample, before it."""

@@ -11,10 +11,9 @@ from pathlib import Path
 from mmcs import mcdef
 from mmcs.device.execute import check_program, environment, say
 from mmcs.device.server import Server
-from mmcs.errors import InputError, RunError
+from mmcs.errors import InputError
 from mmcs.runs.session import CHUNK_S, WATCH_S, Result, Session
 from mmcs.scenario.compiled import absolute
-from mmcs.scenario.setup import Setup
 
 
 class ProgramSession(Session):
@@ -85,16 +84,6 @@ class ProgramSession(Session):
             dict(zip(names, of_axis.unpack_from(row, 24 + of_axis.size * n), strict=False))
             for n in range(self.setup.axes)
         ]
-
-
-def session_of(sim, setup: Setup, realtime: bool = False, bus: bool = False,
-               quiet: bool = False) -> Session:  # fmt: skip
-    """What carries the setup out: programs, or what stands for one."""
-    if not setup.scenario.program:
-        return Session(sim, setup, realtime, bus)
-    if realtime:
-        raise RunError("a [[program]] runs in lock-step, not in real time")
-    return ProgramSession(sim, setup, bus=bus, quiet=quiet)
 
 
 def _start(command: str, env: dict[str, str], out: int | None) -> subprocess.Popen:

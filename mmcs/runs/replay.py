@@ -105,7 +105,7 @@ def trace(record: Record, path: Path, from_s: float, to_s: float) -> tuple[str |
     run.
     """
     from mmcs.runs.machine import machine, progress
-    from mmcs.runs.programs import session_of
+    from mmcs.runs.session import session_of
     from mmcs.runs.stretch import Changing
 
     host = check(record.host, record.path, "host")

@@ -115,54 +115,48 @@ def write_log(result, folder: Path) -> int:
     return crc
 
 
-def print_report(report: dict, result, console, verbose: bool = False) -> None:
-    from rich.table import Table
+def print_report(report: dict, result, say, verbose: bool = False) -> None:
+    """say(text): a line, or several."""
+    from mmcs.screen import shown, table
 
-    from mmcs.screen import cell, shown
-
+    rows = [
+        (f"{axis['axis']} {axis['name']}", axis["mode"], *(shown(axis[key]) for key in HEADINGS))
+        for axis in report["axes"]
+    ]
     title = f"{report['scenario']}: {result.setup.scenario.description}"
-    table = Table(title=cell(title, "table.title"))  # no markup of the user's
-    table.title_justify = "left"
-    for heading in ("axis", "mode"):
-        table.add_column(heading)
-    for heading in HEADINGS.values():
-        table.add_column(heading, justify="right")
-    for axis in report["axes"]:
-        name = cell(f"{axis['axis']} {axis['name']}".strip())
-        table.add_row(name, axis["mode"], *(shown(axis[key]) for key in HEADINGS))
-    console.print(table)
+    say(table(title, ("axis", "mode", *HEADINGS.values()), rows, left=2))
     if any(axis[key] is None for axis in report["axes"] for key in HEADINGS):
-        console.print(NONE)
+        say(NONE)
     named = ("interrupts", "missed", "overruns", "panics")
     counts = ", ".join(f"{report['stats'][name]} {name}" for name in named)
-    console.print(f"{counts}; hash {report['hash']}")
+    say(f"{counts}; hash {report['hash']}")
     for axis in report["axes"]:
         if axis["limited_samples"]:
-            console.print(f"axis {axis['axis']}: the limit cut the current in "
+            say(f"axis {axis['axis']}: the limit cut the current in "
                           f"{axis['limited_samples']} of {len(result.log)} samples")  # fmt: skip
     for note in report["events"]:
         if note["kind"] != "log":
             where = "" if note["axis"] < 0 else f" axis {note['axis']}"
             line = f"  {note['t']:.6f} s  {note['kind']}{where}: {note['text']}"
-            console.print(line)
+            say(line)
     if report["events_lost"]:
-        console.print(f"  {report['events_lost']} further events are not kept: look into the first")
+        say(f"  {report['events_lost']} further events are not kept: look into the first")
     for process in report["processes"]:
         if status := process.get("status"):
-            console.print(cell(f"  {process['run']}: status {status}"))
+            say(f"  {process['run']}: status {status}")
     expected = report["expect"]
     for item in expected:
         if not item["ok"] or len(expected) <= FEW:
             verdict = "ok    " if item["ok"] else "FAILED"
-            console.print(f"  {verdict}  {item['what']}")
+            say(f"  {verdict}  {item['what']}")
     if expected:
         met = sum(item["ok"] for item in expected)
-        console.print(f"expectations: {met} of {len(expected)} met")
-    console.print(
+        say(f"expectations: {met} of {len(expected)} met")
+    say(
         f"simulated {report['simulated_s']:.3f} s in {report['wall_s']:.2f} s: "
         f"real-time factor {report['rtf']:.2f}"
     )
     cache = report["cache"]
     if verbose and (steps := cache["hits"] + cache["misses"]):
-        console.print(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
+        say(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
                       f"{cache['misses']} misses, {cache['bytes'] / 1e6:.1f} MB")  # fmt: skip

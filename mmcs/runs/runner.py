@@ -6,6 +6,7 @@ import math
 import os
 import shlex
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from mmcs.files import LONGEST_S, short
@@ -34,7 +35,7 @@ def run_scenario(
     from mmcs.folder import RESULTS, check_file, check_folder, writing
     from mmcs.runs import record as records
     from mmcs.runs import report as reports
-    from mmcs.screen import console as screen
+    from mmcs.screen import echo
     from mmcs.service import bus_lines
     from mmcs.view.plot import write_plot
 
@@ -51,19 +52,19 @@ def run_scenario(
             (stage / "bus.csv").write_bytes(bus_lines(result.bus))
         write_plot(result, stage / "plot.svg")
         records.write_record(records.make_record(result, host), stage)
-    console = screen(stderr=stderr)
-    reports.print_report(report, result, console, verbose)
+    say = partial(echo, err=stderr)
+    reports.print_report(report, result, say, verbose)
     if verbose and result.first_motion_wall and started:
         # The Makefile passes the moment it started, so that installation and build count.
         told = 0.0
         with contextlib.suppress(KeyError, ValueError):
             told = float(os.environ["MMCS_STARTED"])
         began = told if started - A_DAY_S < told <= started else started
-        console.print(f"time to first motion {result.first_motion_wall - began:.1f} s")
+        say(f"time to first motion {result.first_motion_wall - began:.1f} s")
     files = [f"{short(file)}" for file in (folder / "plot.svg", *([trace] if trace else []))]
-    console.print(", ".join([f"results in {short(folder)}", *files]))
+    say(", ".join([f"results in {short(folder)}", *files]))
     if result.hash and not stderr:
-        console.print(f"next: mmcs trace {short(folder)} (waveforms), mmcs compare A B (two runs)")
+        say(f"next: mmcs trace {short(folder)} (waveforms), mmcs compare A B (two runs)")
     return all(item["ok"] for item in report["expect"])
 
 
@@ -80,7 +81,7 @@ def simulate(
     """
     from mmcs.engine.hosts import image_digest
     from mmcs.runs.machine import machine, progress
-    from mmcs.runs.programs import session_of
+    from mmcs.runs.session import session_of
 
     kind = "trace" if trace else "speed"
     with machine(setup, kind, host=host) as sim, progress(setup.scenario.duration) as advance:

@@ -265,6 +265,18 @@ def refusals(script) -> list[tuple[str, int]]:
     return [(request, -result) for request, _, result, *_ in script.answers() if result < 0]
 
 
+def session_of(sim, setup: Setup, realtime: bool = False, bus: bool = False,
+               quiet: bool = False) -> Session:  # fmt: skip
+    """What carries the setup out: programs, or what stands for one."""
+    if not setup.scenario.program:
+        return Session(sim, setup, realtime, bus)
+    if realtime:
+        raise RunError("a [[program]] runs in lock-step, not in real time")
+    from mmcs.runs.programs import ProgramSession
+
+    return ProgramSession(sim, setup, bus=bus, quiet=quiet)
+
+
 def _checked(what: str, result: int) -> int:
     if result < 0:
         code = errno.errorcode.get(-result, str(result))

@@ -12,24 +12,22 @@ LEAST_PHASE_DEG = 20
 def show_setup(setup: Setup) -> None:
     from rich.table import Table
 
-    from mmcs.screen import cell
-    from mmcs.screen import console as screen
+    from mmcs.screen import cell, console, echo
 
     scenario, robot = setup.scenario, setup.robot
-    console = screen()
-    console.print(f"{setup.name}: {scenario.description}")
+    echo(f"{setup.name}: {scenario.description}")
     cards = f"{scenario.cards} card{'s' if scenario.cards > 1 else ''}"
-    console.print(
+    echo(
         f"  robot {scenario.robot} ({robot.title}), {setup.axes} axes "
         f"{'coupled' if scenario.dynamics == 'coupled' else 'on their own'}, {cards}"
     )
     buffered = "double" if scenario.double_buffer else "single"
-    console.print(
+    echo(
         f"  servo every {scenario.interval_us} us, D/A {buffered}-buffered; "
         f"{scenario.duration:g} s of motion; seed {scenario.seed}"
     )
     host = scenario.host
-    console.print(
+    echo(
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
@@ -42,18 +40,18 @@ def show_setup(setup: Setup) -> None:
         if any(params[key] != SERVO_DEFAULTS[key] for params in setup.params):
             table.add_row(key, *texts)
     if not scenario.program:  # which sets servos itself
-        console.print(table)
+        console().print(table)
     for segment in setup.segments:
         target = f" to {segment['to']:g}" if "to" in segment else ""
         lasting = f" in {segment['duration']:g} s" if segment["duration"] else ""
-        console.print(
+        echo(
             f"  {segment['t0']:7.3f} s  axis {segment['axis']}: {segment['kind']}{target}{lasting}"
         )
     for name in ("process", "program", "call", "event", "expect"):
         for entry in getattr(scenario, name):
             fields = entry.model_dump(exclude_none=True, exclude_defaults=True)
             text = ", ".join(f"{key} = {toml(value)}" for key, value in fields.items())
-            console.print(f"  {name}: {text}")
+            echo(f"  {name}: {text}")
 
 
 def cautions(setup: Setup) -> list[str]:
@@ -88,6 +86,9 @@ def cautions(setup: Setup) -> list[str]:
     for axis, text in poor_gains(setup).items():
         command = f"mmcs design --wn 50 --robot {scenario.robot} --axis {axis} --toml"
         out.append(f"{text}; `{command}` makes others")
+    for n, event in enumerate(scenario.event):
+        if event.at >= scenario.duration and not event.at_power_on:
+            out.append(f"event.{n}: at {event.at:g} s the run has ended")
     used = {s["axis"] for s in setup.segments}
     for axis in range(setup.axes):
         if axis not in used and setup.scenario.motion and setup.params[axis]["mode"] != "off":

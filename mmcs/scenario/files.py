@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finds and reads the files: which one a name means, and TOML with its mistakes told."""
 
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -38,7 +39,8 @@ def find(name: str, folder: Path = SCENARIOS, what: str = "scenario") -> Path:
             return path
         known = named(folder).get(path.stem)
         hint = f"; there is {short(known)}" if known else ""
-        raise InputError.one(name, "", None, f"no such {what} file{hint}")
+        no = "is a folder, and no" if os.path.isdir(name) else "no such"
+        raise InputError.one(name, "", None, f"{no} {what} file{hint}")
     known = named(folder)
     if name in known:
         return short(known[name])

@@ -20,6 +20,8 @@ def load(name: str, sets: tuple[str, ...] = (), /, **overrides):
     if path.suffix == ".bin":
         return _load_file(path, sets, overrides)
     data, origins = read_scenario(path)
+    if "axis" in data and "robot" not in data:
+        raise InputError.one(path, "", None, "is a robot file, which `mmcs check` explains")
     typed = apply_sets(data, sets)
     given = {key: value for key, value in overrides.items() if value is not None}
     data.update(given)

@@ -13,7 +13,7 @@ from mmcs.errors import Mistake, show, suggest
 class Strict(BaseModel):
     """No unknown keys, no silent conversions, no infinities."""
 
-    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
 
 def refuse(allowed: str) -> PydanticCustomError:

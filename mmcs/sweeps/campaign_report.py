@@ -152,15 +152,12 @@ def write_report(folder: Path, plan, rows: dict[int, dict], command: str) -> Pat
     return path
 
 
-def print_summary(plan, rows: dict[int, dict], console) -> None:
-    from rich.table import Table
+def print_summary(plan, rows: dict[int, dict]) -> None:
+    from mmcs.screen import echo, table
 
     counts = Counts(good(rows), lambda r: r["sort"])
-    shown = Table(title=f"{len(rows)} faults in {', '.join(plan.names)}", title_justify="left")
-    shown.add_column("sort")
-    for name in CLASSES:
-        shown.add_column(name, justify="right")
+    title, found = f"{len(rows)} faults in {', '.join(plan.names)}", []
     for sort in plan.sorts:
         if sort in counts.by:
-            shown.add_row(sort, *(str(counts.by[sort][name]) for name in CLASSES))
-    console.print(shown)
+            found.append((sort, *(str(counts.by[sort][name]) for name in CLASSES)))
+    echo(table(title, ("sort", *CLASSES), found, left=1))

@@ -8,7 +8,7 @@ import math
 import statistics
 from pathlib import Path
 
-from mmcs.errors import InputError, one_line, show
+from mmcs.errors import InputError, show
 from mmcs.folder import lock, whole_file
 from mmcs.sweeps.plan import MAX_RUNS, Plan
 
@@ -129,26 +129,21 @@ def write_table(folder: Path, plan: Plan, rows: dict[int, dict]) -> None:
 # --- summary -----------------------------------------------------------------------------------
 
 
-def print_summary(plan: Plan, rows: dict[int, dict], console) -> None:
-    from rich.table import Table
-    from rich.text import Text
-
+def print_summary(plan: Plan, rows: dict[int, dict]) -> None:
+    from mmcs import screen
     from mmcs.sweeps.workers import WORST
 
     title = f"{plan.name}: {len(rows)} of {len(plan)} runs, varied: {', '.join(plan.keys)}"
-    figures = Table(title=Text(one_line(title), "table.title"), title_justify="left")
-    figures.add_column("worst axis of a run")
-    for heading in ("least", "median", "95 %", "most"):
-        figures.add_column(heading, justify="right")
+    head, figures = ("worst axis of a run", "least", "median", "95 %", "most"), []
     ran = [row for row in rows.values() if row["status"] != "failed"]
     for name in WORST:
         values = sorted(abs(row[name]) for row in ran if row.get(name) is not None)
         if values:
             high = values[min(len(values) - 1, math.ceil(0.95 * len(values)) - 1)]
             cells = (values[0], statistics.median_low(values), high, values[-1])
-            figures.add_row(name, *("never" if v == math.inf else f"{v:.4g}" for v in cells))
-    console.print(figures)
-    console.print(f"the worst again: {plan.command(max(rows, key=lambda n: _rank(rows[n])))}")
+            figures.append((name, *("never" if v == math.inf else f"{v:.4g}" for v in cells)))
+    screen.echo(screen.table(title, head, figures, left=1))
+    screen.echo(f"the worst again: {plan.command(max(rows, key=lambda n: _rank(rows[n])))}")
 
 
 def _rank(row: dict) -> tuple[float, float]:

@@ -62,8 +62,8 @@ def or_failed(work):
 def run_row(setup) -> dict:
     """Runs a setup and gives its figures."""
     from mmcs.runs.expect import judge
-    from mmcs.runs.programs import session_of
     from mmcs.runs.report import measure
+    from mmcs.runs.session import session_of
 
     with machine(setup, library=library_of(setup)) as sim:
         result = session_of(sim, setup, quiet=True).run()

@@ -3,7 +3,7 @@
 
 import math
 from dataclasses import dataclass, field
-from xml.sax.saxutils import escape
+from html import escape
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def _way(x: np.ndarray, y: np.ndarray, steps: bool) -> str:
     x, y = (np.round(10 * v).astype(int) for v in (x, y))
     moves = np.flatnonzero(np.diff(y)) + 1
     before = moves if steps else moves - 1
-    kept = np.unique(np.concatenate(([0], before, moves, [len(y) - 1]))).astype(int)
+    kept = sorted({0, *before.tolist(), *moves.tolist(), len(y) - 1})
     right, down = np.diff(x[kept]) / 10, np.diff(y[kept]) / 10
     form = "h{:g}v{:g}" if steps else "l{:g} {:g}"
     way = "".join(form.format(*each) for each in zip(right, down, strict=True))

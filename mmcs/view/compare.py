@@ -56,23 +56,18 @@ def write_comparison(a: Run, b: Run, path: Path) -> list[dict]:
 
 def print_comparison(a: Run, b: Run, found: list[dict]) -> None:
     """A table: how far the signals are apart at most, and rms error, rise and end of A and B."""
-    from rich.table import Table
+    from mmcs.screen import echo, shown, table
 
-    from mmcs.screen import cell, console, shown
-
-    table = Table("axis", title=cell(f"A {_label(a, b)}, B {_label(b, a)}", "table.title"))
-    table.title_justify = "left"
-    for signal, (_, unit) in zip(SIGNALS, LABELS, strict=True):
-        table.add_column(f"{signal}\napart,\n{unit}", justify="right")
-    for heading in FIGURES.values():
-        table.add_column(f"{heading}\nA | B", justify="right")
+    head = [f"{name}\napart,\n{unit}" for name, (_, unit) in zip(SIGNALS, LABELS, strict=True)]
+    head += [f"{heading}\nA | B" for heading in FIGURES.values()]
+    rows = []
     for seen, *axes in zip(found, a.report["axes"], b.report["axes"], strict=True):
         figures = (" | ".join(shown(axis.get(key)) for axis in axes) for key in FIGURES)
-        name = cell(f"{seen['axis']} {seen['name']}".strip())
-        table.add_row(name, *(shown(seen[signal]) for signal in SIGNALS), *figures)
-    console().print(table)
+        name = f"{seen['axis']} {seen['name']}"
+        rows.append((name, *(shown(seen[signal]) for signal in SIGNALS), *figures))
+    echo(table(f"A {_label(a, b)}, B {_label(b, a)}", ("axis", *head), rows, left=1))
     if found[0][SIGNALS[1]] is None:
-        console().print("-: sampled at other times; the encoder of B is taken between its samples")
+        echo("-: sampled at other times; the encoder of B is taken between its samples")
 
 
 def _line(cell, run: Run, axis: int, signal: str, *look, **more) -> None:

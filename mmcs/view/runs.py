@@ -33,7 +33,7 @@ class Run:
 def read_run(name: str) -> Run:
     """A folder with report.json and log.csv, or the name of a scenario that was run."""
     folder = Path(name)
-    if not folder.is_dir() and "/" not in name:
+    if not folder.is_dir() and "/" not in name.rstrip("/"):
         folder = next((f for f in run_folders(name) if f.is_dir()), folder)
     if not folder.is_dir():
         raise InputError.one(name, "", None, "no such run; make it with `mmcs run`")
