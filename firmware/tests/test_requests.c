@@ -242,6 +242,8 @@ TEST(test_a_code_is_for_axes_that_are_off, "DRV-12 SRV-6") {
     mock_pass(&m);
     CHECK_EQ(mock_dac(&m, 1), 0x800);
   }
+  int none = 128; /* the axis has eight bits: this is not axis 0 */
+  CHECK_EQ(mc_ioctl(mc, 0, MSETLED, &none), -MC_EINVAL);
 }
 
 static int end(struct mc *mc, int axis) {
