@@ -147,11 +147,7 @@ CASES = {
         table("expect", 'kind = "stats"\nmissed = -1'),
         "expect.0.missed = -1: must be a whole number from 0, or a pair [low, high]",
     ),
-    "hash": (
-        table("expect", 'kind = "hash"\nhash = "12"'),
-        'expect.0.hash = "12": must be 0x and 16 hexadecimal digits',
-    ),
-    "axis key": (table("expect", 'kind = "axis"\nrise = 3'), "expect.0.rise: unknown key; did"),
+    "axis key": (table("expect", 'kind = "axis"\nrise = 3'), "expect.0.rise: unknown key; did "),
     "expects nothing": (
         table("expect", ""),
         "expect.0: expects nothing; add one of: rise_ms, overshoot_pct, settle_ms, "
