@@ -114,9 +114,9 @@ def checks() -> list[tuple[str, list[str]]]:
         if file.endswith(".h") or file.startswith(untidy + NEED_PACKAGE):
             continue
         flags = ["-std=c11"] if file.endswith(".c") else ["-std=c++17"]
-        if file.startswith("sim/model/") and file.endswith(".cpp"):
+        if file.startswith(("sim/model/", "sim/card/")) and file.endswith(".cpp"):
             flags = [*of_model, *OWN_FLAGS.get(file, [])]
-        sim = ["sim/abi", "sim/engine", "sim/model", "sim/plant", "sim/setup"]
+        sim = ["sim/abi", "sim/card", "sim/engine", "sim/model", "sim/plant", "sim/setup"]
         dirs = [f"-I{d}" for d in ("firmware/include", "firmware/mc", *sim)]
         jobs.append((f"clang-tidy {file}", ["clang-tidy", "--quiet", file, "--", *flags, *dirs]))
     return jobs

@@ -111,8 +111,9 @@ def write(setup: Setup, path: Path, motions: bool = False) -> None:
     if platform.system() != "Linux" or platform.machine() not in MACHINES:
         what = f"{platform.machine()}, {platform.system()}"
         raise InputError.one("fmu", "", None, f"needs Linux on {', '.join(MACHINES)}; here: {what}")
-    if setup.scenario.program:
-        raise InputError.one(setup.path, "program", None, "a unit has no programs: leave them out")
+    for key, what in (("program", "programs"), ("card", "own cards")):
+        if getattr(setup.scenario, key):
+            raise InputError.one(setup.path, key, None, f"a unit has no {what}: leave them out")
     scenario = setup.scenario
     engine = ensure_library(
         scenario.cards, "speed", scenario.clk_hz, heartbeat_us=scenario.heartbeat_us

@@ -163,6 +163,7 @@ def check(scenario: str, sets: tuple[str, ...]) -> None:
 
     with _every_mistake():
         setup = load(scenario, sets)
+    setup.card()  # its mistakes
     for text in cautions(setup) + foreign_expectations(setup):
         echo(f"caution: {text}")
     echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
@@ -201,9 +202,10 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--realtime", is_flag=True, help="Not faster than the clock on the wall.")
 @click.option("--seed", type=int, metavar="N", help="Seed of the random numbers.")
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
+@click.option("--card", "cards", multiple=True, metavar="FILE.sv", help="Add a card of one's own.")
 @click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
 @click.option("-v", "verbose", is_flag=True, help="Also the cache's hits, and how soon it moved.")
-def run(scenario, duration, out, host, trace, realtime, seed, sets, bus, verbose) -> None:
+def run(scenario, duration, out, host, trace, realtime, seed, sets, cards, bus, verbose) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     from mmcs.engine import hosts
 
@@ -215,7 +217,8 @@ def run(scenario, duration, out, host, trace, realtime, seed, sets, bus, verbose
     from mmcs.runs.runner import run_scenario, simulate
     from mmcs.scenario.load import load
 
-    setup = load(scenario, sets, duration=duration, seed=seed)
+    added = [{"file": str(Path(name).absolute())} for name in cards] or None
+    setup = load(scenario, sets, duration=duration, seed=seed, card=added)
     host = host or setup.host
     name = setup.name if host == "native" else f"{setup.name}-{host}"
     folder = out or results("runs", setup.path) / name

@@ -23,7 +23,7 @@ from mmcs.scenario.compiled import inline
 NAME = "run.mmcs"
 FORMAT = 1
 MAX_UNPACKED = 64 << 20  # bytes of files; four times what a scenario may have
-FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv")
+FILE_NAME = re.compile(r"robot\.toml|table\d{1,6}\.csv|card\d{1,6}\.sv")
 POINT = struct.Struct("<qqQQ")  # samples, clock, hash of samples, hash of what left the machine
 MOST_POINTS = 32  # that are kept
 
@@ -34,7 +34,7 @@ class Record:
 
     path: Path
     text: dict
-    files: dict[str, str]  # the robot and tables, by the names that `data` uses
+    files: dict[str, str]  # the robot, tables and cards, by the names that `data` uses
 
     def __getattr__(self, name):
         try:
@@ -158,9 +158,8 @@ def _check_data(data: dict, files: dict[str, str]) -> None:
     duration = data.get("duration")
     if not isinstance(duration, int | float) or not 0 < duration <= LONGEST_S:
         raise ValueError("the duration is wrong")
-    motions = data.get("motion", [])
-    motions = motions if isinstance(motions, list) else []
-    named = [m.get("file") for m in motions if isinstance(m, dict) and "file" in m]
+    tables = [data[key] for key in ("motion", "card") if isinstance(data.get(key), list)]
+    named = [m["file"] for m in sum(tables, []) if isinstance(m, dict) and "file" in m]
     if data.get("robot") != "./robot.toml" or not all(n in files for n in map(str, named)):
         raise ValueError("it names a file that it does not hold")
 

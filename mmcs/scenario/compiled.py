@@ -11,6 +11,7 @@ from pathlib import Path
 
 from mmcs import mcdef, setup_file
 from mmcs.errors import InputError, suggest
+from mmcs.mcdef import make_ffi
 from mmcs.scenario.setup import Setup
 
 PROCESSES = ("pd", "bounce")  # as MMCS_PROCESS_... counts them
@@ -22,8 +23,14 @@ def compile_setup(setup: Setup, build: str, inputs: Callable[[], list[str]],
                   with_source: bool = False) -> bytes:  # fmt: skip
     """For the build of this mmcs_sim_build_id() and its inputs' names. skip: if not as the scenario
     says; host: fields of mmcs_config that choose it. with_source: `mmcs run` can judge by it."""
-    scenario = setup.scenario
+    scenario, card = setup.scenario, setup.card()
     skip, host = scenario.skip if skip is None else skip, host or {}
+    if card:
+        from mmcs.engine.own_card import inputs as card_inputs
+
+        host |= {"card": str(card)}
+        of_machine = inputs
+        inputs = lambda: of_machine() + card_inputs(card)  # noqa: E731
     key = (build, skip, *host.values(), with_source)
     if setup.binary and _is_that(setup, build, skip, host):
         return setup.binary
@@ -31,7 +38,8 @@ def compile_setup(setup: Setup, build: str, inputs: Callable[[], list[str]],
         numbers: list[float] = []
         records = _motions(setup, numbers) | _script(setup, inputs, numbers)
         config = setup.config() | host | {"skip": int(skip)}
-        files = {name: _path(config[name]) for name in ("processor", "firmware") if name in config}
+        paths = ("processor", "firmware", "card")
+        files = {name: _path(config[name]) for name in paths if name in config}
         jitter = any(getattr(process, "jitter_us", 0) for process in scenario.process)
         setup.compiled[key] = setup_file.write(
             build, setup.name, _source(setup) if with_source else None,
@@ -50,7 +58,8 @@ def _is_that(setup: Setup, build: str, skip: bool, host: dict) -> bool:
         allowed = f"is of another build ({found['build']}, not {build}): `mmcs compile` it again"
         raise InputError.one(setup.path, "", None, allowed)
     config = found["config"][0]
-    return config.skip == skip and config.host == host.get("host", 0)
+    card = make_ffi().string(config.card).decode(errors="replace") == host.get("card", "")
+    return config.skip == skip and config.host == host.get("host", 0) and card
 
 
 def _source(setup: Setup) -> dict:
@@ -64,6 +73,8 @@ def inline(data: dict, folder: Path) -> dict:
     for n, motion in enumerate(data.get("motion", [])):
         if motion.get("kind") == "table":
             motion["file"] = f"table{n}.csv"
+    for n, card in enumerate(data.get("card", [])):
+        card["file"] = f"card{n}.sv"
     for program in data.get("program", []):
         program["run"] = absolute(program["run"], folder)
         program["digest"] = digest(program["run"])

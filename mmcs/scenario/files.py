@@ -175,8 +175,8 @@ def fault_scenario(name: str) -> dict:
 
 def _move(data: dict, folder: Path) -> None:
     """Paths within data, which count from this folder, in full."""
-    motions = data.get("motion", [])
-    tables = [m for m in motions if isinstance(m, dict)] if isinstance(motions, list) else []
+    lists = [data[key] for key in ("motion", "card") if isinstance(data.get(key), list)]
+    tables = [m for m in sum(lists, []) if isinstance(m, dict)]
     for table, key in [(data, "robot"), *((motion, "file") for motion in tables)]:
         name = table.get(key)
         if isinstance(name, str) and (key == "file" or name.endswith(".toml") or "/" in name):

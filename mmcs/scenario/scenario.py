@@ -163,6 +163,13 @@ class Program(Strict):
     digest: str = ""  # of the files it names, when a record was made
 
 
+class Card(Strict):
+    """A card of one's own on the PC-bus expansion; of several files, those that others instantiate
+    are parts of cards."""
+
+    file: str = Field(min_length=1, description="a SystemVerilog file beside the scenario")
+
+
 class AxisExpect(Strict):
     """About the measured response of axes."""
 
@@ -298,4 +305,5 @@ class Scenario(Strict):
     call: list[Call] = []
     process: list[Process] = []
     program: list[Program] = []
+    card: list[Card] = []
     expect: list[Expect] = []

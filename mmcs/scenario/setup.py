@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
-from mmcs.files import MAX_TABLE, is_name
+from mmcs.files import MAX_TABLE, is_name, short
 from mmcs.inputs import INPUTS, find
 from mmcs.scenario.files import MAX_FILES, Files, find_robot
 from mmcs.scenario.robot import Robot, with_values
@@ -65,6 +65,16 @@ class Setup:
     def driver(self) -> dict:  # the fields of mmcs_driver
         keys = ("verbose", "interval_us", "double_buffer")
         return {"axes": self.axes} | {key: int(getattr(self.scenario, key)) for key in keys}
+
+    def card(self) -> Path | None:
+        """The library of the scenario's own cards, built if need be."""
+        from mmcs.engine.own_card import library
+
+        if not (cards := self.scenario.card):
+            return None
+        texts = [self.files[f"card{n}.sv"] for n in range(len(cards))]
+        files = [str(short(self.path.parent / card.file)) for card in cards]
+        return library(texts, files, self.scenario.clk_hz)
 
     def refusals(self) -> list[str]:
         """The requests of the start whose refusal the scenario expects."""
@@ -157,7 +167,7 @@ class _Cross:
 
     def __init__(self, path: Path, scenario: Scenario, robot: Robot, files: Files):
         self.path, self.scenario, self.robot, self.files = path, scenario, robot, files
-        self.tables: dict[str, str] = {}  # texts, by the names that a record gives them
+        self.tables: dict[str, str] = {}  # and cards: texts, by the names that a record gives them
         self.axes = robot.axes()
         self.mistakes: list[Mistake] = []
 
@@ -371,6 +381,13 @@ class _Cross:
             if scenario.program and getattr(scenario, key):
                 self.wrong("program", None, f"does that itself: not together with [[{key}]]")
 
+    def _read_cards(self) -> None:
+        for n, card in enumerate(self.scenario.card):
+            try:
+                self.tables[f"card{n}.sv"] = self.files.text(self.path.parent / card.file)
+            except ValueError as error:
+                self.wrong(f"card.{n}.file", card.file, str(error))
+
     def check_rest(self) -> None:
         scenario = self.scenario
         if scenario.dynamics == "coupled" and not self.robot.link:
@@ -386,6 +403,7 @@ class _Cross:
         self._check_pose()
         self._check_process()
         self._check_program()
+        self._read_cards()
         for n, call in enumerate(scenario.call):
             self.chosen(f"call.{n}", call.axis)
             if (call.request == "MSETPARAM") != (call.set is not None):

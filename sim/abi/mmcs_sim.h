@@ -78,6 +78,7 @@ typedef struct mmcs_config {
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
   char processor[256];       /* file names for a real processor: its library, */
   char firmware[256];        /* and the image that it runs */
+  char card[256];            /* the library of cards of one's own; "": none */
 } mmcs_config;
 enum { MMCS_HOST_NATIVE = 0, MMCS_HOST_M68020 = 1 };
 

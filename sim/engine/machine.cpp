@@ -37,7 +37,7 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   clks_per_step_ = static_cast<int>(int64_t{Model::clk_hz()} * kStepUs / 1000000);
   // Two clocks between edges of one axis: the counter's 4 million counts a second at 8 MHz.
   plant_ = Plant::create(config, motors, links, clks_per_step_, Model::clk_hz() / 4000000);
-  model_ = Model::create(config.two_evals != 0, config.skip != 0, config.seed);
+  model_ = Model::create(config.two_evals != 0, config.skip != 0, config.seed, config.card);
   lines_ = model_->lines();
   tap_.lines(0, lines_);
   drive_.resize(static_cast<size_t>(axes_));
@@ -59,6 +59,13 @@ int64_t Machine::clocks(double seconds) const {
 static int register_of(int input) {
   const int reg = input - kInputCount;
   return reg < 0 || reg >= static_cast<int>(registers().size()) ? -1 : reg;
+}
+
+// Of an upset of an own card, whose registers have the numbers behind these; else -1.
+int Machine::card_register_of(int input) const {
+  const int reg = input - kInputCount - static_cast<int>(registers().size());
+  const OwnCard *card = model_->own_card();
+  return reg < 0 || !card || reg >= static_cast<int>(card->size()) ? -1 : reg;
 }
 
 const char *Machine::input_name(int input) {
@@ -207,9 +214,11 @@ std::string Machine::check_event(const mmcs_event &event) const {
   if (event.input < 0) return "no such input";
   if (!std::isfinite(event.value)) return "its value is not a number";
   if (event.input >= kInputCount) {
-    const int reg = register_of(event.input);
-    if (reg < 0) return "no such input";
-    const double limit = std::ldexp(1.0, registers()[static_cast<size_t>(reg)].width);
+    const int reg = register_of(event.input), of_card = card_register_of(event.input);
+    if (reg < 0 && of_card < 0) return "no such input";
+    const double limit =
+        std::ldexp(1.0, of_card < 0 ? registers()[static_cast<size_t>(reg)].width
+                                    : model_->own_card()->width(static_cast<size_t>(of_card)));
     return event.value >= 0 && event.value < limit ? "" : "value out of range";
   }
   const Input &input = kInputs[event.input];
@@ -249,11 +258,14 @@ double Machine::input_value(int input, int index, double t) const {
 
 void Machine::apply(const mmcs_event &event) {
   char text[100];
-  const char *name = input_name(event.input);
-  std::snprintf(text, sizeof text, "%s[%d] = %g", name, event.index, event.value);
+  const int of_card = card_register_of(event.input);
+  const std::string name =
+      of_card < 0 ? input_name(event.input) : "seu." + model_->own_card()->name(of_card);
+  std::snprintf(text, sizeof text, "%s[%d] = %g", name.c_str(), event.index, event.value);
   const bool table = event.input >= 0 && event.input < kInputCount;
   const bool axis = !table || kInputs[event.input].about.scope == MMCS_SCOPE_AXIS;
   note("fault", axis ? event.index : -1, text);
+  if (of_card >= 0) return model_->upset_card(of_card, static_cast<uint64_t>(event.value));
   if (!table) {
     model_->upset(register_of(event.input), static_cast<uint64_t>(event.value));
     return;

@@ -159,6 +159,7 @@ class Machine {
   }
 
  private:
+  int card_register_of(int input) const;
   void lines_changed();
   void plant_step();
   void expect_edges();

@@ -22,6 +22,7 @@ std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmc
   if (config->axes < 0 || config->axes > 2 * config->cards) return "more motors than axes";
   if (config->axes > 0 && !motors) return "no motors given";
   if (config->links != 0 && !links) return "no links given";
+  if (!std::memchr(config->card, 0, sizeof config->card)) return "a file's name does not end";
   if (config->host != MMCS_HOST_NATIVE) {
     if (config->host != MMCS_HOST_M68020) return "this host is not available";
     if (!*config->firmware || !*config->processor) return "no processor or no firmware named";
@@ -235,7 +236,11 @@ int32_t mmcs_sim_register_width(int32_t reg) {
   return mmcs_sim_register_name(reg) ? mmcs::registers()[static_cast<size_t>(reg)].width : 0;
 }
 uint64_t mmcs_sim_register(mmcs_sim *sim, int32_t reg) {
-  return sim && mmcs_sim_register_name(reg) ? sim->machine.model().read(reg) : 0;
+  if (!sim || reg < 0) return 0;
+  const size_t of_card = static_cast<size_t>(reg) - mmcs::registers().size();
+  const mmcs::OwnCard *card = sim->machine.model().own_card();
+  if (!mmcs_sim_register_name(reg)) return card && of_card < card->size() ? card->read(of_card) : 0;
+  return sim->machine.model().read(reg);
 }
 
 int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n) {

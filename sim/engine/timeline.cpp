@@ -80,6 +80,7 @@ uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
     hash.add(static_cast<uint64_t>(config.instruction_cache));
     hash.add(file_digest(config.firmware));
   }
+  if (*config.card) hash.add(file_digest(config.card));
   // Neither struct has padding.
   static_assert(sizeof(mmcs_motor) % 8 == 0 && sizeof(mmcs_link) % 8 == 0);
   const auto add = [&hash](const void *data, size_t count, size_t size) {

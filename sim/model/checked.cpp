@@ -37,6 +37,10 @@ void Checked::compare() {
       return;
     }
   }
+  for (size_t reg = 0; own_card() && reg < own_card()->size(); ++reg) {
+    if (rack_.own_card()->read(reg) == own_card()->read(reg)) continue;
+    failure_ = "postponed clocks: " + own_card()->name(reg) + " of the own card differs";
+  }
 }
 
 void Checked::upset(int reg, uint64_t bits) {

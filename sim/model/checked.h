@@ -10,7 +10,8 @@ namespace mmcs {
 
 class Checked final : public Plain {
  public:
-  explicit Checked(uint64_t seed) : Plain(seed), rack_(false, true, seed) {
+  Checked(uint64_t seed, const std::string &card)
+      : Plain(seed, card), rack_(false, true, seed, card) {
     power_on();
     rack_.power_on();
     rack_.check(kChecked);
@@ -19,6 +20,10 @@ class Checked final : public Plain {
 
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   void upset(int reg, uint64_t bits) override;
+  void upset_card(size_t reg, uint64_t bits) override {
+    Plain::upset_card(reg, bits);
+    rack_.upset_card(reg, bits);
+  }
   void restore(const std::vector<uint8_t> &state) override;
   std::vector<CacheFigures> cache_figures() const override { return rack_.cache_figures(); }
 

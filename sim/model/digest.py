@@ -14,7 +14,7 @@ import sysconfig
 from pathlib import Path
 
 TREES = ("sim/abi", "sim/setup", "sim/model", "sim/engine", "sim/plant", "sim/service", "sim/dpi",
-         "sim/device", "firmware/mc", "firmware/include")  # fmt: skip
+         "sim/card", "sim/device", "firmware/mc", "firmware/include")  # fmt: skip
 FILES = ("sim/Makefile", "tools/sources.py", "mmcs.core")
 KINDS = (".c", ".cpp", ".h", ".def", ".py", ".toml", ".sv", ".svh", ".vlt")
 MADE = ("obj", "boards", "wires", "speed_", "trust_", "trace_", "asan_", "web_", "dpi")

@@ -229,15 +229,19 @@ def triggers_text(folder: Path) -> str:
     return "\n".join(sorted(set(out))) + "\n"
 
 
+def write_triggers(out: Path) -> None:
+    (out / "triggers.inc").write_text(triggers_text(out))
+    for model in out.glob("v/V*___024root__*[0-9].cpp"):
+        if "void" in model.read_text().partition("___eval_triggers_vec__act(")[0][-60:]:
+            name = model.name.partition("___024root")[0]
+            (out / f"{name}.edges").write_text(edges_text(model))
+
+
 def main() -> int:
     what, folder, *rest = sys.argv[1:]
     out = Path(folder)
     if what == "triggers":
-        (out / "triggers.inc").write_text(triggers_text(out))
-        for model in out.glob("v/V*___024root__*[0-9].cpp"):
-            if "void" in model.read_text().partition("___eval_triggers_vec__act(")[0][-60:]:
-                name = model.name.partition("___024root")[0]
-                (out / f"{name}.edges").write_text(edges_text(model))
+        write_triggers(out)
         return 0
     clk_hz, *number = rest
     cards = int(number[0]) if number else len(RULES["selected"])  # one of each type

@@ -34,6 +34,12 @@ Net Glue::net(const std::string &name) const {
   return find_net(context_, kTop + ".mmcs", name);
 }
 
+void Glue::put_card(uint64_t data, bool drives, uint64_t irq) {
+  model_->top.pcx_d_i = static_cast<uint8_t>(data);
+  model_->top.pcx_d_oe_i = drives;
+  model_->top.pcx_irq_i = static_cast<uint8_t>(irq);
+}
+
 void Glue::eval() {
   Vglue___024root *const root = model_->top.rootp;
   root->__VicoTriggered[0] = 1;

@@ -17,6 +17,8 @@ class Glue {
   Net board_output(const std::string &board, const std::string &port) const;
   // A net of mmcs.sv that the logic drives, to be read; null if it drives none of this name.
   Net net(const std::string &name) const;
+  // Outputs of a card of one's own, on the PC-bus expansion.
+  void put_card(uint64_t data, bool drives, uint64_t irq);
   // Computes all nets from the boards' outputs.
   void eval();
 

@@ -67,6 +67,9 @@ uint64_t Model::digest() {
   for (size_t reg = 0; reg < registers().size(); ++reg) {
     hash = (hash ^ read(static_cast<int>(reg))) * 0x100000001B3ull;
   }
+  for (size_t reg = 0; own_card_ && reg < own_card_->size(); ++reg) {
+    hash = (hash ^ own_card_->read(reg)) * 0x100000001B3ull;
+  }
   return hash;
 }
 
@@ -78,6 +81,9 @@ std::vector<uint8_t> Model::save() {
     words.push_back(read(static_cast<int>(reg)));
   }
   words.insert(words.end(), pins.begin(), pins.end());
+  for (size_t reg = 0; own_card_ && reg < own_card_->size(); ++reg) {
+    words.push_back(own_card_->read(reg));
+  }
   std::vector<uint8_t> bytes(words.size() * sizeof words[0]);
   std::memcpy(bytes.data(), words.data(), bytes.size());
   return bytes;
@@ -88,15 +94,17 @@ void Model::restore(const std::vector<uint8_t> &bytes) {
   std::vector<uint64_t> words(bytes.size() / sizeof(uint64_t));
   if (!words.empty()) std::memcpy(words.data(), bytes.data(), words.size() * sizeof words[0]);
   if (words.size() < kHead || words[2] != registers().size() || words[2] > words.size() - kHead ||
-      words[3] > words.size() - kHead - words[2]) {
+      words[3] != words.size() - kHead - words[2] - (own_card_ ? own_card_->size() : 0)) {
     throw std::invalid_argument("a snapshot of another machine");
   }
   const auto begin = words.begin() + kHead;
   const auto middle = begin + static_cast<std::ptrdiff_t>(words[2]);
+  const auto card = middle + static_cast<std::ptrdiff_t>(words[3]);
   put_back({static_cast<int64_t>(words[0]),
             static_cast<unsigned>(words[1]),
             {begin, middle},
-            {middle, middle + static_cast<std::ptrdiff_t>(words[3])}});
+            {middle, card},
+            {card, words.end()}});
 }
 
 }  // namespace mmcs

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mmcs_sim.h"
+#include "own_card.h"
 #include "pins.h"
 #include "tables.h"
 
@@ -39,18 +40,19 @@ struct CacheFigures {
 enum class Stop { kDone, kLines, kDtack, kFailed };
 
 // What a snapshot of the hardware holds: registers in the order of registers(), so that every build
-// understands it, and the pins.
+// understands it, those of an own card, and the pins.
 struct Saved {
   int64_t clock = 0;
   unsigned lines = 0;
-  std::vector<uint64_t> registers, pins;
+  std::vector<uint64_t> registers, pins, card;
 };
 
 class Model : protected Ports {
  public:
   // skip: idle parts get no clock, if the build can. two_evals: Verilator's own eval() at both
-  // edges of the clock.
-  static std::unique_ptr<Model> create(bool two_evals, bool skip, uint64_t seed);
+  // edges of the clock. card: the library of cards of one's own (own_card.h), or "".
+  static std::unique_ptr<Model> create(bool two_evals, bool skip, uint64_t seed,
+                                       const std::string &card);
 
   static int cards();
   static int clk_hz();
@@ -89,6 +91,13 @@ class Model : protected Ports {
   virtual uint64_t read(int reg) = 0;
   // Flips these bits, as a particle would; everything behind the register follows at once.
   virtual void upset(int reg, uint64_t bits) = 0;
+  // The own card, or null; an upset in it.
+  const OwnCard *own_card() const { return own_card_.get(); }
+  virtual void upset_card(size_t reg, uint64_t bits) {
+    upset_ = true;
+    own_card_->upset(reg, bits);
+    follow_card();
+  }
   uint16_t encoder_register(int axis);
   uint64_t digest();  // of all registers
 
@@ -110,9 +119,15 @@ class Model : protected Ports {
 
  protected:
   virtual void put_back(const Saved &state) = 0;
+  // What follows from the own card's outputs, and from the bus behind them.
+  virtual void follow_card() {}
+  void open_card(const std::string &library) {
+    if (!library.empty()) own_card_ = std::make_unique<OwnCard>(library);
+  }
   void disturb() override { upset_ = true; }
   uint64_t read_register(const std::string &reg) override { return read(find_register(reg)); }
 
+  std::unique_ptr<OwnCard> own_card_;
   Pins pins_{*this, cards()};
   int64_t clock_ = 0;
   uint64_t evals_ = 0;

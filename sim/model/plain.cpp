@@ -55,7 +55,7 @@ void put_bits(const Net &net, int lsb, int width, uint64_t value) {
 
 }  // namespace
 
-Plain::Plain(uint64_t seed) : context_(create_context(seed)) {
+Plain::Plain(uint64_t seed, const std::string &card) : context_(create_context(seed)) {
   context_->fatalOnError(false);
   context_->traceEverOn(MMCS_TRACE);
   context_->timeunit(-9);
@@ -88,6 +88,9 @@ Plain::Plain(uint64_t seed) : context_(create_context(seed)) {
   const std::pair<const char *, int> lines[] = {
       {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
   for (const auto &[name, bit] : lines) line_nets_.emplace_back(board_->port(name), bit);
+  for (const char *name : OwnCard::kInputs) card_inputs_.push_back(board_->port(name));
+  for (const char *name : OwnCard::kOutputs) card_outputs_.push_back(board_->port(name));
+  open_card(card);
 }
 
 Plain::~Plain() {
@@ -108,6 +111,8 @@ void Plain::power_on() {
   const Net reset = board_->port("rst_ni");
   reset.put(0);
   clock_ = -kResetClks;
+  if (own_card_) board_->eval();
+  follow_card();
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) reset.put(1);
     if (i == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
@@ -125,9 +130,27 @@ void Plain::half(bool rise, double at) {
   context_->time(now);
   clk_.put(rise);
   board_->eval();
+  if (!rise) exchange(card_clocked_);
 #if MMCS_TRACE
   if (waves_) waves_->dump(now);
 #endif
+}
+
+// The machine and the own card follow each other until neither changes.
+void Plain::exchange(bool card_changed) {
+  if (!own_card_) return;
+  for (int round = 0; round < OwnCard::kMostRounds; ++round) {
+    if (card_changed) {
+      for (size_t n = 0; n < card_outputs_.size(); ++n) {
+        card_outputs_[n].put(own_card_->output(static_cast<OwnCard::Output>(n)));
+      }
+      board_->eval();
+    }
+    for (size_t n = 0; n < card_inputs_.size(); ++n) own_card_->put(n, card_inputs_[n].get());
+    card_changed = own_card_->follow();
+    if (!card_changed) return;
+  }
+  failure_ = OwnCard::kUnstable;
 }
 
 // A rising edge; held bits are put back; pins change; a falling edge.
@@ -135,10 +158,12 @@ void Plain::clock_once() {
   if (stopped_) {
     if (pins_.waiting()) pins_.apply();
     board_->eval();
+    exchange(false);
     return look_at_lines();
   }
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
   half(true, t);
+  card_clocked_ = own_card_ && own_card_->clock();
   apply_held_bits();
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
@@ -164,6 +189,7 @@ void Plain::apply_held_bits() {
 void Plain::written() {
   board_->settle();
   board_->eval();
+  exchange(false);
 }
 
 void Plain::hold_checkers(bool held) {
@@ -295,11 +321,15 @@ void Plain::put_back(const Saved &state) {
   pins_.restore(state.pins);
   clk_.put(0);
   hold_checkers(!checkers_.empty());
-  // Twice: a clear without a clock that falls with the snapshot's pins is over by then.
-  for (int round = 0; round < 2; ++round) {
+  // More than once: a clear without a clock that falls with the snapshot's pins is over by then.
+  const int last = own_card_ ? 2 : 1;
+  for (int round = 0; round <= last; ++round) {
     for (size_t reg = 0; reg < nets_.size(); ++reg) nets_[reg].put(state.registers[reg]);
     board_->settle();
-    if (round == 0) board_->eval();
+    if (own_card_) own_card_->restore(state.card);
+    if (round == last) break;
+    follow_card();
+    board_->eval();
   }
   look_at_lines();
   lines_ = state.lines;

@@ -19,7 +19,7 @@ namespace mmcs {
 
 class Plain : public Model {
  public:
-  explicit Plain(uint64_t seed);
+  Plain(uint64_t seed, const std::string &card);
   ~Plain() override;
 
   void power_on();
@@ -42,6 +42,8 @@ class Plain : public Model {
   void hold_checkers(bool held);
   bool idle() const;
   void put_back(const Saved &state) override;
+  void follow_card() override { exchange(true); }
+  void exchange(bool card_changed);
   void apply_held_bits();
   void written();
   bool failed();
@@ -56,6 +58,7 @@ class Plain : public Model {
   const Context context_;
   std::unique_ptr<Board> board_;
   Net ports_[kPorts];
+  std::vector<Net> card_inputs_, card_outputs_;  // ports that the own card is at, as it has them
   Net clk_, dtack_, d_oe_, drive_, leds_, alive_;
   std::vector<Net> nets_;      // of registers()
   std::vector<Net> checkers_;  // what forces the reset of each
@@ -69,7 +72,8 @@ class Plain : public Model {
 #if MMCS_TRACE
   std::unique_ptr<Waves> waves_;
 #endif
-  bool held_ = false;  // the checkers are in reset
+  bool card_clocked_ = false;  // outputs of the own card have changed since the clock rose
+  bool held_ = false;          // the checkers are in reset
   int idle_clks_ = 0, master_ = 0;
   bool doubted_ = false;  // an assertion has failed since the last upset
   std::string doubt_;

@@ -27,9 +27,10 @@ Reserve &reserve() {
 
 }  // namespace
 
-Rack::Rack(bool slow, bool skip, uint64_t seed)
+Rack::Rack(bool slow, bool skip, uint64_t seed, const std::string &card)
     : context_(create_context(seed)), slow_(slow), skip_(skip && !slow), nets_(*this) {
-  {
+  open_card(card);
+  if (!own_card_) {  // which observes outputs that nothing else does; a cache knows which are
     const std::lock_guard<std::mutex> lock(reserve().mutex);
     if (!reserve().sets.empty()) {
       caches_ = std::move(reserve().sets.back());
@@ -45,6 +46,7 @@ Rack::Rack(bool slow, bool skip, uint64_t seed)
 
 Rack::~Rack() {
   use(context_);
+  if (own_card_) return;
   const std::lock_guard<std::mutex> lock(reserve().mutex);
   reserve().sets.push_back(std::move(caches_));
 }
@@ -57,6 +59,7 @@ void Rack::changed(int net, int lsb, int width) {
   const bool command = net == pc_bus_.nets[PcBus::kIor] || net == pc_bus_.nets[PcBus::kIow];
   if (pc_bus_.has_net[n] && (command || pc_bus_.selected || pc_bus_.command))
     pc_bus_.changed = true;
+  if (own_card_) card_.changed = true;
   for (const Reader &r : readers_[n]) {
     if (r.lsb < lsb + width && lsb < r.lsb + r.width) update_input(*r.wire);
   }
@@ -81,6 +84,26 @@ void Rack::eval_glue() {
   glue_changed_ = false;
   glue_.eval();
   for (const auto &[from, to] : glue_nets_) nets_.put(to, 0, from.width, from.get());
+}
+
+// Inputs of the own card, which stands last: all else is settled.
+void Rack::eval_card() {
+  card_.changed = false;
+  constexpr int kWidest = 16;  // of these nets
+  for (size_t n = 0; n < std::size(card_.nets); ++n) {
+    own_card_->put(n, nets_.get(card_.nets[n], 0, kWidest));
+  }
+  if (!own_card_->follow()) return;
+  if (++card_.rounds < OwnCard::kMostRounds) return send_card();
+  failure_ = OwnCard::kUnstable;
+}
+
+void Rack::send_card() {
+  const OwnCard &card = *own_card_;
+  glue_.put_card(card.output(OwnCard::kData), card.output(OwnCard::kDataOe) != 0,
+                 card.output(OwnCard::kIrq));
+  glue_changed_ = true;
+  nets_.put(card_.wait, 0, 1, card.output(OwnCard::kWait));
 }
 
 // Observed outputs of a part that have changed go to other parts and to nets.
@@ -148,6 +171,7 @@ void Rack::update_pc_bus() {
 
 // Evaluates what has changed inputs after edge clock_, until nothing changes.
 void Rack::settle() {
+  card_.rounds = 0;
   for (;;) {
     if (pc_bus_.changed) {
       update_pc_bus();
@@ -159,6 +183,8 @@ void Rack::settle() {
       if (stopped_) part.pass(clock_);
       if (part.inputs_changed(clock_)) plan(part);
       if (part.has_pending_outputs()) send_outputs(part);
+    } else if (card_.changed) {
+      eval_card();
     } else {
       return;
     }
@@ -170,7 +196,7 @@ void Rack::settle() {
 // The first edge at which a part is due.
 int64_t Rack::first_due() {
   if (stopped_) return kNever;
-  if (schedule_.any_next() || !skip_) return clock_ + 1;
+  if (schedule_.any_next() || !skip_ || (own_card_ && own_card_->active())) return clock_ + 1;
   return schedule_.first_later();
 }
 
@@ -193,6 +219,7 @@ void Rack::step(int64_t t) {
     plan(part);
     if (part.has_pending_outputs()) sending |= rest & -rest;
   }
+  if (own_card_ && own_card_->active() && !stopped_ && own_card_->clock()) send_card();
   for (uint64_t rest = sending; rest; rest &= rest - 1) {
     send_outputs(*parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
   }
@@ -297,7 +324,8 @@ void Rack::power_on() {
     inputs_changed(*part);
     send_outputs(*part);
   }
-  settle();
+  if (own_card_) send_card();
+  follow_card();
   power_on_ = true;
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) {

@@ -48,7 +48,7 @@ struct Wire {
 
 class Rack : public Model, private Listener {
  public:
-  Rack(bool slow, bool skip, uint64_t seed);
+  Rack(bool slow, bool skip, uint64_t seed, const std::string &card);
   // The models take their names out of the context of the thread, which may be another machine's.
   ~Rack() override;
 
@@ -76,6 +76,10 @@ class Rack : public Model, private Listener {
 
  protected:
   void stick(const std::string &reg, uint64_t clear, uint64_t set) override;
+  void follow_card() override {
+    card_.changed = own_card_ != nullptr;
+    settle();
+  }
   const Context context_;
 
  private:
@@ -86,6 +90,7 @@ class Rack : public Model, private Listener {
   void wire_glue(std::vector<char> &read);
   void wire_input(Port port);
   void wire_outputs(const std::vector<char> &read);
+  void wire_card(std::vector<char> &read);
   void ignore_unselected();
   int net_of(size_t board, const char *port);
   bool is_output(size_t board, int net);
@@ -107,6 +112,8 @@ class Rack : public Model, private Listener {
   void update_lines();
   void update_pc_bus();
   void eval_glue();
+  void eval_card();
+  void send_card();
   void settle();
   template <class Input>
   void put_input(Part &part, const Input &port, uint64_t value) {
@@ -186,6 +193,13 @@ class Rack : public Model, private Listener {
     bool changed = false, switches_changed = true, command = true;
   };
   PcBus pc_bus_;
+
+  struct {
+    int nets[std::size(OwnCard::kInputs)] = {};
+    int wait = -1;         // the net of pcx_wait_i
+    bool changed = false;  // a net that it reads
+    int rounds = 0;        // of it and the bus, since they settled
+  } card_;
 
   struct {
     std::vector<EncoderEdge> all;

@@ -194,6 +194,10 @@ void Rack::put_back(const Saved &state) {
       inputs_changed(*part);
     }
     pc_bus_.changed = true;
+    if (own_card_) {
+      own_card_->restore(state.card);
+      send_card();
+    }
     settle();
   }
   schedule_.clear();

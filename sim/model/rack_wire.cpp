@@ -53,7 +53,8 @@ void Rack::ignore_unselected() {
     if (w.net == bus.nets[PcBus::kIor] || w.net == bus.nets[PcBus::kIow]) commands |= w.port->mask;
   });
   adaptor([&](const Wire &w) {
-    if (w.port->data && w.port->links.empty()) w.part->ignore_while(commands, *w.port);
+    if (w.port->data && w.port->links.empty() && !own_card_)
+      w.part->ignore_while(commands, *w.port);
   });
   for (const auto &part : parts_) {
     for (const auto &port : part->ports()) {
@@ -96,6 +97,7 @@ void Rack::wire() {
   for (const PinInfo &info : kWires.pins) {
     if (std::strcmp(info.port, "clk_i") != 0) wire_pin(info, read);
   }
+  if (own_card_) wire_card(read);
   wire_glue(read);
   for (int port = 0; port < kPorts; ++port) wire_input(static_cast<Port>(port));
   wire_outputs(read);
@@ -130,6 +132,15 @@ void Rack::wire_pin(const PinInfo &info, std::vector<char> &read) {
     if (is("leds_o")) leds_.push_back(wire.get());
     board_wires_.push_back(std::move(wire));
   });
+}
+
+// An own card reads the PC bus at any time.
+void Rack::wire_card(std::vector<char> &read) {
+  for (size_t n = 0; n < std::size(card_.nets); ++n) {
+    card_.nets[n] = Nets::find(OwnCard::kInputs[n]);
+    if (own_card_->has(n)) read[static_cast<size_t>(card_.nets[n])] = 1;
+  }
+  card_.wait = Nets::find(OwnCard::kOutputs[OwnCard::kWait]);
 }
 
 // Ports of boards at the logic of mmcs.sv. It is evaluated when a source of a net that boards read

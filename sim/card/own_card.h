@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cards of one's own on the PC-bus expansion of rtl/mmcs.sv: one Verilated model of all of them in
+// a library by itself, made by card.py.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "board.h"
+
+namespace mmcs {
+
+// What such a library exports, under these names. Its run-time library of Verilator is its own.
+struct CardModel {
+  Context context;
+  std::unique_ptr<Board> board;
+  // At most 64 bits each: elements of arrays and words of wide registers are listed one by one.
+  std::vector<std::pair<std::string, Net>> registers;
+};
+// In it: what card.py found, up to one without a name.
+struct CardRow {
+  const char *path, *name;
+  bool must;  // it is in the model; else a variable of a loop, which may be gone
+};
+extern const CardRow kCardRows[];
+extern "C" {
+CardModel *mmcs_card_create();
+void mmcs_card_destroy(CardModel *model);
+const char *mmcs_card_register_name(int n);  // null: there are no more
+}
+
+class OwnCard {
+ public:
+  // Nets of rtl/mmcs.sv, which the ports of the model are named by.
+  static constexpr const char *kInputs[] = {"rst_ni",          "pcx_a_o",    "pcx_d_o",
+                                            "pcx_ior_no",      "pcx_iow_no", "pcx_aen_o",
+                                            "pcx_reset_drv_o", "pcx_drq_o",  "pcx_clk_en_o"};
+  static constexpr const char *kOutputs[] = {"pcx_d_i", "pcx_d_oe_i", "pcx_wait_i", "pcx_irq_i"};
+  enum Output { kData, kDataOe, kWait, kIrq, kMostOutputs };
+  // A bus and cards that follow each other longer than this have a combinational loop.
+  static constexpr int kMostRounds = 64;
+  static constexpr const char *kUnstable = "the own card and the PC bus do not settle";
+
+  // Throws std::runtime_error.
+  explicit OwnCard(const std::string &library);
+  ~OwnCard();
+  OwnCard(const OwnCard &) = delete;
+
+  bool has(size_t input) const { return static_cast<bool>(inputs_[input]); }
+  void put(size_t input, uint64_t value);
+  // What follows from inputs that were put. True: outputs have changed.
+  bool follow();
+  // One clock, with the inputs as they are. True: outputs have changed.
+  bool clock();
+  uint64_t output(Output n) const { return sent_[n]; }
+  // The next clock may change something: an input or a register has changed since the last.
+  bool active() const { return active_; }
+
+  size_t size() const { return model_->registers.size(); }
+  const std::string &name(size_t reg) const { return model_->registers[reg].first; }
+  int width(size_t reg) const { return model_->registers[reg].second.width; }
+  uint64_t read(size_t reg) const { return model_->registers[reg].second.get(); }
+  // Flips these bits; follow() does what follows.
+  void upset(size_t reg, uint64_t bits);
+  // All registers at once, without the edge of a reset; called twice, as resets among them follow.
+  void restore(const std::vector<uint64_t> &values);
+
+ private:
+  bool registers_changed();
+  bool send();
+
+  void *library_ = nullptr;
+  decltype(&mmcs_card_destroy) destroy_ = nullptr;
+  CardModel *model_ = nullptr;
+  std::vector<Net> inputs_, outputs_;
+  uint64_t sent_[kMostOutputs] = {};
+  std::vector<std::pair<char *, size_t>> memory_;  // of the registers: where, and how many bytes
+  std::vector<char> known_;                        // what is there, as seen last
+  bool changed_ = true, active_ = true;
+};
+
+}  // namespace mmcs
