@@ -67,8 +67,8 @@ def page_numbers() -> str:
               "FIELDS": fields, "MC_FSCALE": known["MC_FSCALE"]}  # fmt: skip
     lines = []
     for name, value in values.items():
-        text = f"export const {name} = {json.dumps(value, separators=(', ', ':'))};"
-        lines += textwrap.wrap(text, 106, subsequent_indent="  ")
+        code = re.sub(r"^{(.*)}$", r"{ \1 }", json.dumps(value))
+        lines += textwrap.wrap(f"export const {name} = {code};", 100, subsequent_indent="  ")
     return "\n".join(lines)
 
 

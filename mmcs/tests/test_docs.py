@@ -17,7 +17,7 @@ from mmcs.tests.conftest import good
 TEXT = (ROOT / "docs" / "use" / "scenarios.md").read_text()
 README = (ROOT / "README.md").read_text()
 SECTIONS = dict(part.split("\n", 1) for part in TEXT.split("\n## ")[1:])
-TABLES = ("motor", "servo", "motion", "event", "call", "process", "program", "expect")
+TABLES = ("motor", "servo", "motion", "event", "call", "process", "program", "expect", "card")
 
 
 def models():

@@ -216,7 +216,9 @@ def test_threads_run_in_the_order_of_their_creation(tmp_path):
     assert status == 0 and said.split() == 3 * [str(n) for n in range(12)]
 
 
-EXAMPLES_RUN = [PORT, *sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py"))]
+# Without pwm_card.c, whose card no other scenario has (test_own_card.py).
+EXAMPLES_RUN = [PORT, *sorted(p for p in EXAMPLES.iterdir() if p.suffix in (".c", ".py") and
+                              p.stem != "pwm_card")]  # fmt: skip
 
 
 def example(path):

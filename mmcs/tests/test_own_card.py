@@ -216,7 +216,7 @@ def test_rtl_that_is_no_card_is_one_line(tmp_path, monkeypatch, line):
     at = next(n for n, text in enumerate(lines) if text.startswith("  logic run_q"))
     lines[at + 1 : at + 1] = [f"  {line}"]
     (tmp_path / "pwm_card.sv").write_text("\n".join(lines) + "\n")
-    answer = call("run", "lab500", "--card", "pwm_card.sv")
+    answer = call("run", "lab500", "--card", "pwm_card.sv", "--out", "out")
     one_clear_line(answer, BAD[line], start="pwm_card.sv:")
     assert re.match(r"mmcs: pwm_card\.sv:\d+: ", answer[2])
 

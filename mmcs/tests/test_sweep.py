@@ -89,7 +89,7 @@ MISTAKES = {
     "nothing": ([], "mmcs sweep: nothing to vary: give --grid axis.0.b0=80,90,100 or --random"),
     "no value": (["--grid", "cards"], "--grid: cards: must be key=value, like axis.0.b0=80,90,100"),
     "empty value": (["--grid", "axis.0.b0=1,,2"], "--grid: axis.0.b0: has an empty value"),
-    "unknown key": (["--grid", "card=1,2"], 'card: unknown key; did you mean "cards"?'),
+    "unknown key": (["--grid", "carts=1,2"], 'carts: unknown key; did you mean "cards"?'),
     "unknown gain": (["--grid", "axis.0.c0=1,2"], "--grid: axis.0.c0: no such servo parameter"),
     "of the motor": (["--random", "axis.0.gear=1..2"], '; did you mean "robot.axis.0.gear"?'),
     "bad value": (["--grid", "axis.0.b0=100,0"], "servo.0.b0 = 0: must not be 0"),
