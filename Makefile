@@ -23,7 +23,7 @@ endif
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test fuzz generate help help-all installed learn-test lint linuxcnc-test litex-test mutation pictures release sim test test-all test-fast test-icarus test-netlist tool tool-test waves web web-test
+.PHONY: attack bench clean cocotb coverage distclean docs dpi firmware fmu-test formal format fpga fusesoc-test generate help help-all installed learn-test lint linuxcnc-test litex-test mutation pictures release sim test test-all test-fast test-icarus test-netlist tool tool-test waves web web-test
 
 help:
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -78,7 +78,7 @@ $(VENV)/.test: $(VENV)/.sim bfm/pyproject.toml
 	@touch $@
 
 # Each set of optional packages of pyproject.toml, by its name; most of them beside the test tools.
-$(addprefix $(VENV)/.,lint fmu fuzz): $(VENV)/.test
+$(addprefix $(VENV)/.,lint fmu): $(VENV)/.test
 $(VENV)/.%: $(VENV)/.sim
 	@$(call INSTALL,the packages of [$*],-r pyproject.toml --extra $*)
 	@touch $@
@@ -141,12 +141,6 @@ attack: $(VENV)/.test #: every test that means no good, and damaged inputs for e
 	@$(BIN)/python -m pytest -q labs/tests/test_grader_attacks.py $(patsubst %,mmcs/tests/test_%.py,hostile damaged \
 	    whole mistakes exec place device_attacks device_ends messages stop tool_stop)
 	@$(BIN)/python tools/parsers.py $(ATTACK)
-
-N ?= 100000
-
-fuzz: $(VENV)/.fuzz #: inputs led by coverage for every parser, with sanitizers: N=10000000, ONLY=TEXT
-	@tools/need_debian.sh clang-16 clang-16 libclang-rt-16-dev
-	@$(BIN)/python tools/fuzz.py --inputs $(N) --only "$(ONLY)"
 
 formal: $(VENV)/.formal ## prove formal/*.sby; FAST=1: under three minutes; SEEDED=1: with seeded faults; ONLY=TEXT
 	@JOBS=$(JOBS) $(BIN)/python tools/$(if $(SEEDED),mutation/faults.py proofs,formal.py $(if $(FAST),--fast)) \

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every parser in Python with a good input, and inputs damaged at random for each: the end of `make
-attack`. tools/fuzz.py damages them as coverage leads it.
+attack`.
 
 parsers.py [--inputs N] [--seed S]
 """
@@ -114,7 +114,7 @@ class _Served:
         mine, theirs = socket.socketpair()
         mine.close()  # what is sent there is lost
         self._numbers += 1
-        return kind(theirs, self._poll, b"\0fuzz%d" % self._numbers, self.server)
+        return kind(theirs, self._poll, b"\0damaged%d" % self._numbers, self.server)
 
     def feed(self, connection, data: bytes) -> None:
         connection.flush = connection._out.clear
@@ -220,7 +220,7 @@ def damaged(data: bytes, chance: random.Random) -> bytes:
     return bytes(out)
 
 
-def fuzz(inputs: int, seed: int) -> int:
+def attack(inputs: int, seed: int) -> int:
     """Damaged inputs for each parser; how many ended in neither a result nor a sentence."""
     wrong = 0
     with tempfile.TemporaryDirectory() as folder:
@@ -246,4 +246,4 @@ if __name__ == "__main__":
     asked = argparse.ArgumentParser(description=__doc__)
     asked.add_argument("--inputs", type=int, default=20_000, help="for each parser")
     asked.add_argument("--seed", type=int, default=1989)
-    sys.exit(fuzz(**vars(asked.parse_args())) > 0)
+    sys.exit(attack(**vars(asked.parse_args())) > 0)

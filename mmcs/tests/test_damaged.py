@@ -19,6 +19,12 @@ from mmcs.sweeps.store import Store
 from mmcs.tests.conftest import GOOD, one_clear_line
 from mmcs.tests.test_hostile import command
 from tools.compiled import ran
+from tools.parsers import attack
+
+
+def test_every_parser_in_python(capsys):
+    assert attack(100, seed=7) == 0, capsys.readouterr().out
+
 
 # --- records, rows ------------------------------------------------------------------
 
