@@ -154,12 +154,10 @@ def pass_table() -> str:
 
 
 def main(names: list[str]) -> None:
-    """Rewrites the tables named, or all."""
-    from studies.processors import limits
-
+    """Rewrites the tables named, or both."""
     build()
     path = ROOT / "docs" / "simulator" / "processors.md"
-    for name, make in {"cycles": table, "passes": pass_table, "limits": limits.table}.items():
+    for name, make in {"cycles": table, "passes": pass_table}.items():
         if not names or name in names:
             committed(FOLDERS)
             command = f"make -f sim/hosts/Makefile table TABLES={name}"
@@ -168,5 +166,5 @@ def main(names: list[str]) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("tables", nargs="*", help="cycles, passes, limits; all without any")
+    parser.add_argument("tables", nargs="*", help="cycles, passes; both without any")
     main(parser.parse_args().tables)

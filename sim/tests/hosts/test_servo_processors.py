@@ -16,8 +16,6 @@ from needed import needs
 
 from mmcs import ROOT
 from studies.processors import cycles as bench
-from studies.processors import limits
-from tools.pages import part
 
 pytestmark = needs("m68020", "riscv64-unknown-elf-gcc", "unicorn", by="make test")
 
@@ -102,17 +100,3 @@ def test_pd_of_six_axes_takes_0_26_ms_at_most(native):
         if name.startswith("PD") and "32 bits" not in name:
             _, cycles, _ = bench.on_68020(profile, 100)
             assert cycles / bench.MHZ <= 260, name
-
-
-@pytest.mark.req("FW-1")
-def test_largest_axis_count_of_the_page_is_real():
-    """At 1 kHz the 68020 carries what the page says, and two axes more make it overrun."""
-    text = (ROOT / "docs" / "simulator" / "processors.md").read_text()
-    case = limits.CASES[0]
-    lines = [line.split("|") for line in part(text, "limits").splitlines() if line[:1] == "|"]
-    row = next(line for line in lines if line[1].strip() == str(case))
-    most = int(row[[cell.strip() for cell in lines[0]].index("1000 Hz")])
-    inside, outside = (limits.run(case, axes, 1000) for axes in (most, most + 2))
-    assert inside.good and inside.overruns == inside.missed == 0 and not inside.refused
-    assert not outside.good and outside.overruns > 0
-    assert inside.longest_us < outside.longest_us
