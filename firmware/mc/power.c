@@ -20,7 +20,6 @@ static void forget_currents(struct mc *mc) {
   for (struct mc_axis *x = mc->axis; x < mc->axis + mc->axes; x++) {
     x->code = MC_DAC_ZERO;
     x->state.inow = 0;
-    x->servo.filtered = 0;
   }
 }
 
