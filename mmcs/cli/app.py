@@ -153,6 +153,7 @@ def show(scenario: str, sets: tuple[str, ...]) -> None:
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 def check(scenario: str, sets: tuple[str, ...]) -> None:
     """Explain every mistake in a scenario and its robot file, or in a robot file alone."""
+    from mmcs.runs.machine import card_of
     from mmcs.scenario.describe import cautions, foreign_expectations
     from mmcs.scenario.files import is_robot
     from mmcs.scenario.load import load
@@ -163,7 +164,7 @@ def check(scenario: str, sets: tuple[str, ...]) -> None:
 
     with _every_mistake():
         setup = load(scenario, sets)
-    setup.card()  # its mistakes
+    card_of(setup)  # its mistakes
     for text in cautions(setup) + foreign_expectations(setup):
         echo(f"caution: {text}")
     echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
@@ -217,7 +218,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, sets, cards, bus, 
     from mmcs.runs.runner import run_scenario, simulate
     from mmcs.scenario.load import load
 
-    added = [{"file": str(Path(name).absolute())} for name in cards] or None
+    added = [_card(name) for name in cards] or None
     setup = load(scenario, sets, duration=duration, seed=seed, card=added)
     host = host or setup.host
     name = setup.name if host == "native" else f"{setup.name}-{host}"
@@ -227,6 +228,16 @@ def run(scenario, duration, out, host, trace, realtime, seed, sets, cards, bus, 
         setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
     )
     sys.exit(0 if good else 1)
+
+
+def _card(name: str) -> dict:
+    from mmcs.files import MAX_TOML, read_text
+
+    try:
+        read_text(Path(name), MAX_TOML)
+    except ValueError as error:
+        raise InputError.one("--card", "", name, str(error)) from None
+    return {"file": str(Path(name).absolute())}
 
 
 @main.command("compile")

@@ -6,6 +6,7 @@ import sys
 from contextlib import nullcontext
 from pathlib import Path
 
+from mmcs.files import short
 from mmcs.scenario.compiled import compile_setup
 from mmcs.scenario.setup import Setup
 
@@ -23,7 +24,7 @@ def machine(
     """
     from mmcs.engine import hosts
     from mmcs.engine.build import ensure_library
-    from mmcs.engine.sim import Sim, build_id, input_names, load_library
+    from mmcs.engine.sim import Sim, load_library
 
     scenario = setup.scenario
     if skip is None:
@@ -32,8 +33,7 @@ def machine(
     library = library or ensure_library(
         scenario.cards, kind, scenario.clk_hz, scenario.heartbeat_us
     )
-    lib = load_library(library)
-    return Sim(library, compile_setup(setup, build_id(lib), lambda: input_names(lib), skip, on))
+    return Sim(library, compile_for(setup, load_library(library), skip, on))
 
 
 def progress(duration: float):
@@ -59,14 +59,38 @@ def library_of(setup):
     return _library(scenario.cards, scenario.clk_hz, scenario.heartbeat_us)
 
 
+def card_of(setup: Setup) -> Path | None:
+    """The library of the scenario's own cards, built if need be."""
+    if not (cards := setup.scenario.card):
+        return None
+    from mmcs.engine.own_card import library
+
+    texts = [setup.files[f"card{n}.sv"] for n in range(len(cards))]
+    files = [str(short(setup.path.parent / card.file)) for card in cards]
+    return library(texts, files, setup.scenario.clk_hz)
+
+
+def compile_for(setup: Setup, lib, skip=None, host: dict | None = None, with_source=False) -> bytes:
+    """compile_setup() for a loaded library of the simulator and the scenario's own cards."""
+    from mmcs.engine.sim import build_id, input_names
+
+    def names() -> list[str]:
+        from mmcs.engine.own_card import inputs
+
+        return input_names(lib) + (inputs(card) if card else [])
+
+    card = card_of(setup)
+    host = (host or {}) | ({"card": str(card)} if card else {})
+    return compile_setup(setup, build_id(lib), names, skip, host, with_source)
+
+
 def compiled(setup: Setup, host: str = "native", with_source: bool = False) -> bytes:
     """The setup as a set-up file for this build."""
     from mmcs.engine import hosts
-    from mmcs.engine.sim import build_id, input_names, load_library
+    from mmcs.engine.sim import load_library
 
-    lib, on = load_library(library_of(setup)), hosts.config(host)
-    names = lambda: input_names(lib)  # noqa: E731
-    return compile_setup(setup, build_id(lib), names, None, on, with_source)
+    lib = load_library(library_of(setup))
+    return compile_for(setup, lib, None, hosts.config(host), with_source)
 
 
 def write_setup(setup: Setup, path: Path, host: str = "native") -> None:

@@ -19,6 +19,7 @@ from mmcs.errors import InputError
 from mmcs.files import LONGEST_S, is_name, loads, read_json, short
 from mmcs.place import run_file
 from mmcs.scenario.compiled import inline
+from mmcs.scenario.files import tables_with_files
 
 NAME = "run.mmcs"
 FORMAT = 1
@@ -158,9 +159,8 @@ def _check_data(data: dict, files: dict[str, str]) -> None:
     duration = data.get("duration")
     if not isinstance(duration, int | float) or not 0 < duration <= LONGEST_S:
         raise ValueError("the duration is wrong")
-    tables = [data[key] for key in ("motion", "card") if isinstance(data.get(key), list)]
-    named = [m["file"] for m in sum(tables, []) if isinstance(m, dict) and "file" in m]
-    if data.get("robot") != "./robot.toml" or not all(n in files for n in map(str, named)):
+    named = [str(table["file"]) for table in tables_with_files(data).values()]
+    if data.get("robot") != "./robot.toml" or not files.keys() >= {*named}:
         raise ValueError("it names a file that it does not hold")
 
 

@@ -13,7 +13,7 @@ from mmcs import mcdef
 from mmcs.engine.rows import Rows
 from mmcs.errors import RunError
 from mmcs.logcols import FIELDS
-from mmcs.scenario.compiled import compile_setup
+from mmcs.runs.machine import compile_for
 from mmcs.scenario.setup import Setup
 
 CHUNK_S = 0.02  # simulated time between looks at the clock on the wall
@@ -241,7 +241,7 @@ class Session:
 
 def script_of(sim, setup: Setup):
     """What carries the setup out on a machine of its build."""
-    return sim.new_script(compile_setup(setup, sim.build_id(), sim.input_names))
+    return sim.new_script(compile_for(setup, sim.lib))
 
 
 def summaries(script, setup: Setup) -> list[dict]:

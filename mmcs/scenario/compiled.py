@@ -12,6 +12,7 @@ from pathlib import Path
 from mmcs import mcdef, setup_file
 from mmcs.errors import InputError, suggest
 from mmcs.mcdef import make_ffi
+from mmcs.scenario.files import tables_with_files
 from mmcs.scenario.setup import Setup
 
 PROCESSES = ("pd", "bounce")  # as MMCS_PROCESS_... counts them
@@ -22,15 +23,10 @@ def compile_setup(setup: Setup, build: str, inputs: Callable[[], list[str]],
                   skip: bool | None = None, host: dict | None = None,
                   with_source: bool = False) -> bytes:  # fmt: skip
     """For the build of this mmcs_sim_build_id() and its inputs' names. skip: if not as the scenario
-    says; host: fields of mmcs_config that choose it. with_source: `mmcs run` can judge by it."""
-    scenario, card = setup.scenario, setup.card()
+    says; host: fields of mmcs_config that choose it and the library of own cards. with_source:
+    `mmcs run` can judge by it."""
+    scenario = setup.scenario
     skip, host = scenario.skip if skip is None else skip, host or {}
-    if card:
-        from mmcs.engine.own_card import inputs as card_inputs
-
-        host |= {"card": str(card)}
-        of_machine = inputs
-        inputs = lambda: of_machine() + card_inputs(card)  # noqa: E731
     key = (build, skip, *host.values(), with_source)
     if setup.binary and _is_that(setup, build, skip, host):
         return setup.binary
@@ -70,11 +66,8 @@ def _source(setup: Setup) -> dict:
 def inline(data: dict, folder: Path) -> dict:
     """The scenario, naming the setup's files by the plain names that they have in a record."""
     data = json.loads(json.dumps(data)) | {"robot": "./robot.toml"}
-    for n, motion in enumerate(data.get("motion", [])):
-        if motion.get("kind") == "table":
-            motion["file"] = f"table{n}.csv"
-    for n, card in enumerate(data.get("card", [])):
-        card["file"] = f"card{n}.sv"
+    for name, table in tables_with_files(data).items():
+        table["file"] = name
     for program in data.get("program", []):
         program["run"] = absolute(program["run"], folder)
         program["digest"] = digest(program["run"])

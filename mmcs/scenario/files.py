@@ -175,12 +175,23 @@ def fault_scenario(name: str) -> dict:
 
 def _move(data: dict, folder: Path) -> None:
     """Paths within data, which count from this folder, in full."""
-    lists = [data[key] for key in ("motion", "card") if isinstance(data.get(key), list)]
-    tables = [m for m in sum(lists, []) if isinstance(m, dict)]
-    for table, key in [(data, "robot"), *((motion, "file") for motion in tables)]:
-        name = table.get(key)
-        if isinstance(name, str) and (key == "file" or name.endswith(".toml") or "/" in name):
-            table[key] = str(folder / name)
+    robot = data.get("robot")
+    if isinstance(robot, str) and (robot.endswith(".toml") or "/" in robot):
+        data["robot"] = str(folder / robot)
+    for table in tables_with_files(data).values():
+        if isinstance(table["file"], str):
+            table["file"] = str(folder / table["file"])
+
+
+def tables_with_files(data: dict) -> dict[str, dict]:
+    """The tables of a scenario, also of an unchecked one, that name a file; by the plain name that
+    the file has in a record."""
+    found = {}
+    for key, name in (("motion", "table{}.csv"), ("card", "card{}.sv")):
+        tables = data[key] if isinstance(data.get(key), list) else []
+        found |= {name.format(n): table for n, table in enumerate(tables)
+                  if isinstance(table, dict) and "file" in table}  # fmt: skip
+    return found
 
 
 def description(path: Path) -> str:

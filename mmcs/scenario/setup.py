@@ -14,7 +14,7 @@ from pathlib import Path
 
 from mmcs import mcdef
 from mmcs.errors import InputError, Mistake, show, suggest
-from mmcs.files import MAX_TABLE, is_name, short
+from mmcs.files import MAX_TABLE, is_name
 from mmcs.inputs import INPUTS, find
 from mmcs.scenario.files import MAX_FILES, Files, find_robot
 from mmcs.scenario.robot import Robot, with_values
@@ -65,16 +65,6 @@ class Setup:
     def driver(self) -> dict:  # the fields of mmcs_driver
         keys = ("verbose", "interval_us", "double_buffer")
         return {"axes": self.axes} | {key: int(getattr(self.scenario, key)) for key in keys}
-
-    def card(self) -> Path | None:
-        """The library of the scenario's own cards, built if need be."""
-        from mmcs.engine.own_card import library
-
-        if not (cards := self.scenario.card):
-            return None
-        texts = [self.files[f"card{n}.sv"] for n in range(len(cards))]
-        files = [str(short(self.path.parent / card.file)) for card in cards]
-        return library(texts, files, self.scenario.clk_hz)
 
     def refusals(self) -> list[str]:
         """The requests of the start whose refusal the scenario expects."""

@@ -14,7 +14,7 @@ from mmcs.engine.own_card import inputs
 from mmcs.errors import InputError
 from mmcs.inputs import INPUTS
 from mmcs.place import ROOT
-from mmcs.runs.machine import machine
+from mmcs.runs.machine import card_of, machine
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import call, good, one_clear_line
 
@@ -142,7 +142,7 @@ def test_a_snapshot_goes_to_another_build(moving):
 
 def test_its_registers_have_names_and_upsets(moving):
     plan = setup(moving)
-    names = inputs(plan.card())
+    names = inputs(card_of(plan))
     assert {"seu.moving.g_half[1].count_q", "seu.moving.memory_q[15]", "seu.moving.wide_q[96+:32]",
             "seu.moving.u_delay.q", "seu.moving.cleared_q"} <= {*names}  # fmt: skip
     assert len(names) == len(set(names))
@@ -221,6 +221,11 @@ def test_rtl_that_is_no_card_is_one_line(tmp_path, monkeypatch, line):
     assert re.match(r"mmcs: pwm_card\.sv:\d+: ", answer[2])
 
 
+def test_a_missing_file_is_of_the_option(tmp_path):
+    answer = call("run", "lab500", "--card", "nosuch.sv", "--out", str(tmp_path / "out"))
+    one_clear_line(answer, start='--card = "nosuch.sv": ')
+
+
 @pytest.mark.parametrize(("port", "other", "why"), [
     ("pc_a_i", "pc_address_i", "card pwm_card has no port pc_a_i"),
     ("[15:0] pc_a_i", "[13:0] pc_a_i", "port pc_a_i of card pwm_card must be an input of 16 bits"),
@@ -229,4 +234,4 @@ def test_rtl_that_is_no_card_is_one_line(tmp_path, monkeypatch, line):
 def test_ports_are_those_of_the_bus(tmp_path, port, other, why):
     (tmp_path / "a.sv").write_text(EXAMPLE.read_text().replace(port, other))
     with pytest.raises(InputError, match=re.escape(why)):
-        setup(tmp_path / "a.sv").card()
+        card_of(setup(tmp_path / "a.sv"))
