@@ -8,7 +8,6 @@ parsers.py [--inputs N] [--seed S]
 import argparse
 import json
 import random
-import select
 import socket
 import struct
 import sys
@@ -108,20 +107,21 @@ class _Served:
         text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
         setup = load(_written(folder / f"{name}.toml", text))
         self.server = Server(machine(setup), folder / name / "mc0.sock", None)
-        self._poll, self._numbers = select.epoll(), 0
+        self._numbers = 0
 
     def connect(self, kind):
         mine, theirs = socket.socketpair()
         mine.close()  # what is sent there is lost
         self._numbers += 1
-        return kind(theirs, self._poll, b"\0damaged%d" % self._numbers, self.server)
+        return kind(theirs, b"\0damaged%d" % self._numbers, self.server)
 
-    def feed(self, connection, data: bytes) -> None:
-        connection.flush = connection._out.clear
-        connection.data += data
-        while connection.has_request() and connection.serve(nested=False):
-            if connection.busy:  # answered later: not waited for
-                break
+    def feed(self, connection, *packets: bytes) -> None:
+        connection._send, connection.flush = lambda packet: None, lambda: None
+        for packet in packets:
+            connection.take = lambda packet=packet: packet
+            connection.receive()
+            while connection.has_request() and not connection.busy:  # that is answered later
+                connection.serve(nested=False)
 
     def end(self, connection) -> None:
         connection.close()
@@ -145,7 +145,8 @@ def _wire(folder: Path) -> Parser:
             served[0].feed(file, request(wire.OPEN, b"", 2, 1, b"/dev/mc0"))
             served[0].server.files[b"file"] = file
         channel = served[0].connect(Program)
-        served[0].feed(channel, data)
+        served[0].feed(channel, *(b"MMC1" + rest
+                                  for rest in data.split(b"MMC1")[1:]))  # fmt: skip
         served[0].end(channel)
 
     good = request(wire.READ, b"file", 56, 0) + request(wire.WRITE, b"file", 0, 0, bytes(4))
@@ -182,20 +183,16 @@ def _messages(folder: Path) -> Parser:
 
 
 def _stop(folder: Path) -> Parser:
+    from mmcs.device.stop import Stop
+
     served: list[_Served] = []
 
     def take(data: bytes) -> None:
         if not served:
             served.append(_Served(folder, "stop"))
-        near, far = socket.socketpair()
-        with near, far:
-            far.setblocking(False)
-            kept = bytearray()
-            path = served[0].server.stop_path
-            path._hang_up = lambda sock: None
-            near.sendall(data[:4096])
-            for _ in range(1 + len(data[:4096]) // 64):
-                path._read(far, kept)
+        line = served[0].connect(Stop)
+        served[0].feed(line, *(data[n : n + 64] for n in range(0, len(data), 64)))
+        served[0].end(line)
 
     return Parser("stop", b"state\nstop\npress\nrelease\n", take, ())
 

@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 from mmcs import mcdef
 from mmcs.device import reasons, wire
-from mmcs.device.line import GONE, send, take
 from mmcs.device.sockets import connect, socket_path
 
+GONE = errno.EIO, "the simulator is gone"
 MC_STATE = struct.Struct("<7i")
 
 
@@ -144,22 +144,7 @@ class Device:
         """wait() for an event loop, whose other tasks go on meanwhile."""
         import asyncio
 
-        channel, loop = self._take_channel(), asyncio.get_running_loop()
-        ready = loop.create_future()
-        loop.add_reader(channel, lambda: ready.done() or ready.set_result(None))
-        try:
-            send(channel, wire.IOCTL, self._name, wire.MWAIT)
-            await ready
-            result, number = take(channel)
-        except BaseException:
-            channel.close()
-            raise
-        finally:
-            loop.remove_reader(channel)
-        self._idle.append(channel)
-        if result < 0:
-            raise OSError(-result, _sentence(-result, "no servo sample comes"))
-        return int.from_bytes(number, "little")
+        return await asyncio.get_running_loop().run_in_executor(None, self.wait)
 
     def status(self) -> Status:
         """How the machine stands: its time, whether it is enabled or stopped, by whom and why."""
@@ -378,5 +363,11 @@ def _axis(axis: object) -> int:
 
 
 def _exchange(sock, op: int, name: bytes, a: int, b: int, data: bytes) -> tuple[int, bytes]:
-    send(sock, op, name, a, b, data)
-    return take(sock)
+    """A request and its reply: a result and data."""
+    packet = wire.REQUEST.pack(wire.MAGIC, op, name, a, b, len(data), os.getpid()) + data
+    try:
+        sock.sendall(packet)
+        packet = sock.recv(wire.REPLY.size + wire.MAX_DATA)
+        return wire.REPLY.unpack_from(packet)[0], packet[wire.REPLY.size :]
+    except (OSError, struct.error):
+        raise OSError(*GONE) from None

@@ -5,19 +5,18 @@ import errno
 import json
 import os
 import re
-import select
-import socket
 import struct
 import time
 from math import isfinite
 
 from mmcs import ROOT, mcdef
-from mmcs.device.connection import Connection
+from mmcs.device.connection import IN, OUT, Connection
 from mmcs.device.sockets import peer
 from mmcs.device.wire import EINVAL, EIO
 from mmcs.folder import whole_file
 
 LIMIT = 65536
+OUT_LIMIT = 1 << 20  # bytes that nobody fetches: then he is hung up
 LENGTH = struct.Struct("<I")
 TABLE = ROOT / "sim" / "service" / "messages.def"
 REQUESTS = re.findall(r"\bOP\((\w+)\)", TABLE.read_text())
@@ -28,9 +27,9 @@ WAITING = ("close", "snapshot", "rewind", "advance", "ring", "drop", "lease", "s
 class Messenger(Connection):
     """A client of the messages."""
 
-    def __init__(self, sock: socket.socket, poll: select.epoll, address, server):
-        super().__init__(sock, poll)
-        self._server, self.machine = server, server.machine
+    def __init__(self, sock, address, server):
+        super().__init__(sock, address, server)
+        self._data, self._out = bytearray(), bytearray()
         self.client = self.machine.enter("message", peer(sock)[0])
         hello = self.machine.request(self.client, {"op": "hello"})
         self.tell({"type": "hello", **self.do_hello(hello)})
@@ -44,48 +43,60 @@ class Messenger(Connection):
         self._carry(json.dumps(message, separators=(",", ":")).encode())
 
     def _carry(self, message: bytes) -> None:
-        self.send(LENGTH.pack(len(message)) + message)
+        self._out += LENGTH.pack(len(message)) + message
+        self.flush()
 
-    def receive(self) -> bool:
-        heard = super().receive()
-        if heard or self.has_request():
+    def flush(self) -> None:
+        try:
+            del self._out[: self.sock.send(self._out)]
+        except BlockingIOError:
+            pass
+        except OSError:
+            self.end()
+        if len(self._out) > OUT_LIMIT:
+            self.end()
+        if not self.ended:
+            self.watch(IN | OUT if self._out else IN)
+
+    def receive(self) -> None:
+        if not self.has_request() and not self.ended:
+            self._data += self.take()
+        if not self.ended:
             self.client.heard = time.monotonic()
-        return heard
 
     def has_request(self) -> bool:
-        if len(self.data) < LENGTH.size or self.ended:
+        if len(self._data) < LENGTH.size or self.ended:
             return False
-        (length,) = LENGTH.unpack_from(self.data)
+        (length,) = LENGTH.unpack_from(self._data)
         if not 0 < length <= LIMIT:
             self.end()
             return False
-        return len(self.data) >= LENGTH.size + length
+        return len(self._data) >= LENGTH.size + length
 
     def client_writes(self) -> bool:
         return bool(self.client.writes)
 
-    def serve(self, nested: bool) -> bool:
-        (length,) = LENGTH.unpack_from(self.data)
+    def serve(self, nested: bool) -> None:
+        (length,) = LENGTH.unpack_from(self._data)
         try:
-            message = json.loads(self.data[LENGTH.size : LENGTH.size + length])
+            message = json.loads(self._data[LENGTH.size : LENGTH.size + length])
         except (ValueError, RecursionError):
             message = None
         if type(message) is not dict:
             self.end()
-            return True
+            return
         op = message.get("op")
         if nested and self._waits(op, message):
-            return False
-        del self.data[: LENGTH.size + length]
+            return
+        del self._data[: LENGTH.size + length]
         name = message.get("id")
         if isinstance(name, list | dict) or (isinstance(name, float) and not isfinite(name)):
             self.answer(None, _refusal(EINVAL, "id: a number or a text"))
-            return True
+            return
         self.busy = True
         reply = self._reply(op, message)
         if reply is not None:
             self.answer(message.get("id"), reply)
-        return True
 
     def fail(self, why: str) -> None:
         self.answer(None, _refusal(EIO, why))
@@ -121,7 +132,7 @@ class Messenger(Connection):
 
     def stream(self, now: float) -> None:
         """Sends what is due, as far as the client takes it: what he leaves stays in the ring."""
-        while self.idle() and (message := self.machine.stream(self.client, now)):
+        while not self._out and (message := self.machine.stream(self.client, now)):
             if message[:1] == b"{":  # a text was cut in the middle of a character, perhaps
                 message = message.decode(errors="replace").encode()
             self._carry(message)
@@ -129,27 +140,27 @@ class Messenger(Connection):
     # --- what needs more than the machine ---
 
     def do_hello(self, done: dict) -> dict:
-        server = self._server
+        server = self.server
         return {**done, "server": server.name.path.stem, "scenario": server.about.get("scenario"),
                 "lockstep": server.lockstep.on}  # fmt: skip
 
     def do_pace(self, done: dict) -> dict:
-        self._server.pace.restart()
+        self.server.restart()
         return done
 
     do_rewind = do_pace
 
     def do_advance(self, done: dict) -> None:
-        self._server.advances = self, done["id"]
+        self.server.advances = self, done["id"]
 
     def do_machine(self, a: dict) -> dict:
-        return dict(self._server.about.get("machine", {}))
+        return dict(self.server.about.get("machine", {}))
 
     def do_export(self, a: dict) -> dict:
         """The past of a snapshot as a file beside the socket, for a machine of any build
         (mmcs/tool/moment.py)."""
         number, sim = a["snapshot"], self.machine.sim
-        path = self._server.path.with_suffix(".past")
+        path = self.server.path.with_suffix(".past")
         snapshot, past = sim.snapshot_bytes(number), sim.history_bytes()
         with whole_file(path) as part:
             part.write_bytes(len(snapshot).to_bytes(8, "little") + snapshot + past)

@@ -5,7 +5,6 @@ import contextlib
 import errno
 import math
 import os
-import select
 import signal
 import socket
 import struct
@@ -59,10 +58,10 @@ class Holders:
 class Program(Connection):
     """A file, which is an open device, or a channel, which carries the calls of a thread."""
 
-    def __init__(self, sock: socket.socket, poll: select.epoll, address, server):
-        super().__init__(sock, poll)
+    def __init__(self, sock, address, server):
+        super().__init__(sock, address, server)
+        self._request = b""  # the packet that is to be served
         self._name = bytes(address).strip(b"\0") if address else b""
-        self._server, self._machine = server, server.machine
         self._files: dict[bytes, Program] = server.files
         self.client = None  # of a file: its mmcs_client, and O_RDONLY, O_WRONLY or O_RDWR
         self.access = 0
@@ -71,83 +70,87 @@ class Program(Connection):
         self._paused_at: float | None = None  # the clock on the wall when its request met a pause
         self._turns = server.lockstep
 
-    def has_request(self) -> bool:
-        if len(self.data) < wire.REQUEST.size or self.ended or not self.idle():
-            return False
-        magic, _, _, _, _, length, _ = wire.REQUEST.unpack_from(self.data)
-        if magic != wire.MAGIC or length > wire.MAX_DATA:
+    def receive(self) -> None:
+        if self._request or self.ended:
+            return
+        self._request = self.take()
+        if self._request and not wire.is_request(self._request):
             self.end()
-            return False
-        return len(self.data) >= wire.REQUEST.size + length
+
+    def has_request(self) -> bool:
+        return bool(self._request) and not self.ended
 
     def client_writes(self) -> bool:
-        file = self._files.get(wire.REQUEST.unpack_from(self.data)[2].rstrip(b"\0"))
+        file = self._files.get(wire.REQUEST.unpack_from(self._request)[2].rstrip(b"\0"))
         return file is None or file.client.writes
 
-    def serve(self, nested: bool) -> bool:
-        _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self.data)
+    def serve(self, nested: bool) -> None:
+        _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self._request)
         if op == wire.IOCTL:
             a &= 0xFFFFFFFF  # held in an int, a request arrives sign-extended
-        waits = op == wire.IOCTL and a in self._machine.waits
+        waits = op == wire.IOCTL and a in self.machine.waits
         if waits:
-            now = self._machine.now  # paused: what needs the machine's time waits for the end
+            now = self.machine.now  # paused: what needs the machine's time waits for the end
             self.held = bool(now.paused and now.target < 0)
             if self.held:
                 self._say_paused(a, pid)
         if self.held or (nested and waits):
-            return False
+            return
         self._paused_at = None
-        end = wire.REQUEST.size + length
-        request = bytes(self.data[:end])
-        del self.data[:end]
+        request, self._request = self._request, b""
         if op == wire.LINE and self._turns.on and not length:
             self.ended = True
-            self._server.becomes_line(self, request)
-            return True
+            self.server.becomes_line(self, request)
+            return
         if op == wire.IOCTL and a == wire.MWAIT:
-            self._server.watch(self)
-            return True
+            self.server.watch(self)
+            return
         self.busy = True
         result, out = self._call(op, name.rstrip(b"\0"), a, b, request[wire.REQUEST.size :], pid)
         self.busy = False
-        self._server.signal()  # its own is there before the call returns
+        self.server.signal()  # its own is there before the call returns
         self.reply(result, out)
         if op == wire.OPEN and result >= 0:
             self._become_file()
-        return True
 
     def _say_paused(self, request: int, pid: int) -> None:
         """Once, when it has waited for a while."""
-        now = self._server.listened
+        now = self.server.listened
         if self._paused_at is None:
             self._paused_at = now
         if now - self._paused_at >= PAUSED_S:
             self._paused_at = math.inf
             name = next(n for n, known in mcdef.requests().items() if known.code == request)
             what = f"{name} waits: the machine is paused, and a tool must let it go on"
-            self._server.say(f"mmcs: {wire.command(pid) or 'a program'} ({pid}): {what}")
+            self.server.say(f"mmcs: {wire.command(pid) or 'a program'} ({pid}): {what}")
 
     def fail(self, why: str) -> None:
         self._said = why
         self.reply(-wire.EIO)
 
     def reply(self, result: int, out: bytes = b"") -> None:
-        self.send(wire.REPLY.pack(result, len(out)) + out)
+        self._send(wire.REPLY.pack(result, len(out)) + out)
+
+    def _send(self, packet: bytes) -> None:
+        """A program that does not fetch its answers is disconnected."""
+        try:
+            self.sock.send(packet)
+        except OSError:
+            self.end()
 
     def _become_file(self) -> None:
         """From now on only its end is waited for: bytes that a program writes past the library
         fail there, and poll() finds it readable, as read() never blocks."""
-        self.send(b".")
+        self._send(b".")
         with contextlib.suppress(OSError):
             self.sock.shutdown(socket.SHUT_RD)
-        self.data.clear()
         self.watch(0)
 
     def leave(self) -> None:
         if self.client is not None:
             del self._files[self._name]
             self._turns.closes(self.client)
-            self._machine.leave(self.client)
+            self.machine.leave(self.client)
 
     # --- calls ---
 
@@ -161,7 +164,7 @@ class Program(Connection):
             return self._open(payload, a, b, pid), b""
         if why:
             room = min(b or wire.MWHY_SIZE, MOST_SAID)
-            said = (self._said or self._machine.knows()).encode()
+            said = (self._said or self.machine.knows()).encode()
             return 0, said[: room - 1].ljust(room, b"\0")
         file = self._files.get(name)
         if file is None:
@@ -172,12 +175,12 @@ class Program(Connection):
             return int(file.client.driver < 0) | file.access << 1, b""
         result, out = self._of_file(file.client, op, a, b, payload, name, pid)
         if result < 0:
-            self._said = self._machine.said or self._because(file.client, -result, op, a, payload)
+            self._said = self.machine.said or self._because(file.client, -result, op, a, payload)
         return result, out
 
     def _because(self, client, error: int, op: int, a: int, payload: bytes) -> str:
         """Of a call that the driver said nothing about."""
-        machine = self._machine
+        machine = self.machine
         if error == wire.EBUSY and (held := machine.held(client)):
             return held
         if client.driver < 0 or op not in (wire.IOCTL, wire.READ, wire.WRITE):
@@ -190,7 +193,7 @@ class Program(Connection):
         return reasons.of_ioctl(error, a, payload, joints, 2 * machine.cards)
 
     def _of_file(self, client, op: int, a: int, b: int, payload: bytes, name: bytes, pid: int):
-        machine = self._machine
+        machine = self.machine
         machine.said = ""
         if op in (wire.LOAD, wire.STORE):
             if client.driver >= 0:
@@ -206,7 +209,7 @@ class Program(Connection):
         if op == wire.READ:
             return self._turns.read_states(pid, client, min(a, wire.MAX_DATA))
         if op == wire.WRITE:
-            before = self._machine.sim.tap_head()[1]
+            before = self.machine.sim.tap_head()[1]
             result = self._turns.write(pid, client, name, payload, len(payload))
             machine.said = "" if result >= 0 else machine.said_since(before)
             return result, b""
@@ -219,7 +222,7 @@ class Program(Connection):
             return -errno.ENOTDIR
         if flags & os.O_EXCL and flags & os.O_CREAT:
             return -errno.EEXIST
-        machine = self._machine
+        machine = self.machine
         client = machine.enter("device", pid, wire.command(pid))
         result = machine.open(client, device, flags & 0x7FFFFFFF)
         if result < 0:
@@ -232,8 +235,8 @@ class Program(Connection):
         return 0
 
     def _ask(self, client, message: dict) -> int:
-        self.done = self._machine.request(client, message)
-        self._machine.said = self.done.get("text", "")
+        self.done = self.machine.request(client, message)
+        self.machine.said = self.done.get("text", "")
         return -self.done.get("errno", 0)
 
     def _change(self, client, axis: int, payload: bytes):

@@ -2,9 +2,9 @@
 """The simulator as a server: /dev/mcN and /dev/vme16 for other processes (§2.3, §2.4), messages for
 a tool beside them, and the stop path (docs/use/device.md, docs/use/protocol.md).
 
-One thread does everything, a step at a time: the stop path, one request of each connection that has
-one, a stretch of simulated time, and what is to be sent. The stop path comes first in every step,
-and again before each request and while one waits.
+One thread does everything, a step at a time: one request of each connection that has one, a stretch
+of simulated time, and what is to be sent. Lines of the stop path act as they are read: first in
+every step, and again between requests and while one waits.
 """
 
 import contextlib
@@ -12,7 +12,6 @@ import os
 import resource
 import select
 import signal
-import socket
 import time
 import traceback
 from collections.abc import Iterator
@@ -21,16 +20,21 @@ from pathlib import Path
 from mmcs.device.connection import GONE, IN, OUT, Connection
 from mmcs.device.machine import ServedMachine
 from mmcs.device.messages import Messenger
-from mmcs.device.pace import IDLE_S, Pace
 from mmcs.device.programs import Program
 from mmcs.device.sockets import Name, peer
-from mmcs.device.stop import StopPath
+from mmcs.device.stop import Stop
 from mmcs.device.turns import Core, Turns
 
 MOST_CONNECTIONS = 1000
+STOPS = 64  # connections of the stop path beyond them
+SPARE_DESCRIPTORS = 120  # for those, and everything else that the process opens
 TURNS = 64  # of lock-step between looks at everything else
 NO_SAMPLE_S = 2.5  # of the machine, until the wait for a sample fails
-SPARE_DESCRIPTORS = 120  # for the stop path, and everything else that the process opens
+# Simulated time between looks at the sockets: short while somebody talks or has been signalled, so
+# that a free-running machine does not run away from its programs; it doubles up to the longest.
+CHUNK_MIN_S, CHUNK_MAX_S = 50e-6, 2e-3
+IDLE_S = 0.1  # longest sleep: signals are seen this often
+BEHIND_S = 0.02  # jitter of the computer; what is lost beyond it is not made up
 
 
 class Server:
@@ -44,29 +48,29 @@ class Server:
         self.path, self.sim, self.about = path, sim, about or {}
         self.machine, self.say = ServedMachine(sim, console), console
         self._hz = sim.build()["clk_hz"]
-        self.pace = Pace(sim, self.machine.now, speed)
+        self.machine.now.speed = speed or 0
+        self.chunk = CHUNK_MIN_S
         self.files: dict[bytes, Program] = {}
         self.connections: dict[int, Connection] = {}
         self.stopping = False
         self.advances: tuple[Messenger, object] | None = None  # who lets time pass, and its id
         self._problem: BaseException | None = None
         self._events = 0  # of the tap: signals among them
-        self.listened = time.monotonic()
-        self._poll = select.epoll()
-        poll = self._poll.fileno()
-        self.lockstep = Turns(self.machine, poll, lockstep, self._signal_now, console)
-        self._core = Core(self.lockstep) if lockstep else None
         self._watchers: list[Program] = []  # for a sample
-        self._doors = {}
-        for suffix, kind in ((".sock", Program), (".msg", Messenger)):
-            door = self.name.listen(suffix)
-            self._doors[door.fileno()] = (door, kind)
-            self._poll.register(door, IN)
-        self.stop_path = StopPath(self.name.listen(".stop"), self.machine)
-        self._poll.register(self.stop_path, IN)
-        self._spare = os.open("/dev/null", os.O_RDONLY)
+        self._watched = 0  # the clock until which they wait
+        self.listened = time.monotonic()
+        self.restart()
+        self.poll = select.epoll()
+        fd = self.poll.fileno()
+        self.lockstep = Turns(self.machine, fd, lockstep, self._signal_now, console)
+        self._core = Core(self.lockstep) if lockstep else None
         limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
         self.most = max(1, min(MOST_CONNECTIONS, limit - SPARE_DESCRIPTORS))
+        self._doors = {}
+        for suffix, kind in ((".sock", Program), (".msg", Messenger), (".stop", Stop)):
+            door = self.name.listen(suffix)
+            self._doors[door.fileno()] = (door, kind)
+            self.poll.register(door, IN)
         sim.set_look(self._look)
 
     def close(self) -> None:
@@ -77,9 +81,7 @@ class Server:
             self._core.leave()
         self.lockstep.close()
         self.name.release()
-        self.stop_path.close()
-        self._poll.close()
-        os.close(self._spare)
+        self.poll.close()
 
     def run(self) -> None:
         while not self.stopping:
@@ -91,30 +93,26 @@ class Server:
         """Answers what has come in, and lets time pass if it is due."""
         if self._core is not None:
             self._core.share(self.listened)
-        if self.stop_path.serve():
-            self._send()  # everybody hears of a stop before time goes on
-        else:
-            self._take_turns()
+        self._take_turns()
         self._listen(self._wait())
-        for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
-            self._hang_up(connection)  # first: whoever closes and then asks has closed
+        self._hang_up_ended()  # first: whoever closes and then asks has closed
         for connection in list(self.connections.values()):
             if connection.has_request() and not connection.busy:
-                self.stop_path.serve()
                 if connection.client_writes():
-                    self.pace.talked()
+                    self.chunk = CHUNK_MIN_S
                 self._serve(connection)
                 self._after()
-        if not self.stop_path.serve():
-            self._pass_time()
+                self._listen(0)  # for the stop path
+                self._hang_up_ended()
+        self._pass_time()
         self._send()
 
     def _take_turns(self) -> None:
         """In lock-step, until something else than a line has to be served."""
         if self.lockstep.on and not self.machine.now.paused and self.advances is None:
-            end = self.lockstep.run(TURNS, round(IDLE_S * 1000))
-            if end:
-                self._answer_watchers(end == 1)
+            before = self.sim.samples
+            self.lockstep.run(TURNS, round(IDLE_S * 1000))
+            self._answer_watchers(self.sim.samples != before)
 
     def _serve(self, connection: Connection, nested: bool = False) -> None:
         with self._unharmed(connection):
@@ -146,7 +144,6 @@ class Server:
         """While a request waits: the stop path, requests of others that do not wait, signals. 1: it
         shall not go on waiting. Nobody is hung up, for who waits may be the one."""
         try:
-            self.stop_path.serve()
             self._listen(0)
             for connection in list(self.connections.values()):
                 if connection.has_request() and not connection.busy:
@@ -158,44 +155,59 @@ class Server:
             return 1
         return int(self.stopping)
 
+    # --- time ---
+
+    def restart(self) -> None:
+        """Time is counted from here on."""
+        self._started = (time.monotonic(), self.sim.time)
+
     def _wait(self) -> float:
+        """Seconds until there is something to do."""
         due = (c.has_request() and not (c.busy or c.held) for c in self.connections.values())
         if self.advances is not None or any(due):
             return 0.0
         if self.lockstep.on:
             return IDLE_S if self.lockstep.rest() or self.machine.now.paused else 0.0
-        if self._rests:
-            self.pace.restart()
-            return IDLE_S
-        return self.pace.wait()
+        return self._left()
 
-    @property
-    def _rests(self) -> bool:
-        """Without an open file time stands still, but where it is that of the wall."""
-        return not self.machine.now.opens and not self.machine.now.speed
+    def _left(self) -> float:
+        """Seconds until the next stretch of time is due. Without an open file time stands still,
+        but where it is that of the wall."""
+        now = self.machine.now
+        if now.paused or not (now.opens or now.speed):
+            self.restart()
+            return IDLE_S
+        if not now.speed:
+            return 0.0
+        wall, simulated = self._started
+        left = wall + (self.sim.time - simulated) / now.speed - time.monotonic()
+        if left < -BEHIND_S:
+            self.restart()
+        return min(max(0.0, left), IDLE_S)
 
     def _pass_time(self) -> None:
         if self.advances is not None:
             self._go_on()
-        elif not self.lockstep.on and not self._rests and self.pace.is_due():
-            self._run(self.sim.time + self.pace.chunk)
+        elif not self.lockstep.on and self._left() == 0:
+            self._run(self.sim.time + self.chunk)
 
     def _run(self, until: float) -> None:
         """Not past the next sample, if somebody waits for it."""
         clock, before = round(until * self._hz), self.sim.samples
         self.sim.run_to(max(clock, self.sim.clock + 1), bool(self._watchers))
-        self.pace.passed(bool(self.signal()))
+        self.chunk = CHUNK_MIN_S if self.signal() else min(2 * self.chunk, CHUNK_MAX_S)
         self.lockstep.passed(sampled := self.sim.samples != before)
-        if sampled or self.sim.clock > self.lockstep.now.watched:
-            self._answer_watchers(sampled)
+        self._answer_watchers(sampled)
 
     def watch(self, connection: Program) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""
         self._watchers.append(connection)
-        self.lockstep.now.watched = self.sim.clock + round(NO_SAMPLE_S * self._hz)
+        self._watched = self.sim.clock + round(NO_SAMPLE_S * self._hz)
 
     def _answer_watchers(self, sampled: bool) -> None:
-        watchers, self._watchers, self.lockstep.now.watched = self._watchers, [], 0
+        if not self._watchers or not (sampled or self.sim.clock > self._watched):
+            return
+        watchers, self._watchers = self._watchers, []
         number = (self.sim.samples & 0xFFFFFFFF).to_bytes(4, "little")
         for connection in watchers:
             if sampled:
@@ -205,7 +217,7 @@ class Server:
 
     def _go_on(self) -> None:
         now, (asker, id_) = self.machine.now, self.advances
-        self._run(min(now.target / self._hz, self.sim.time + self.pace.chunk))
+        self._run(min(now.target / self._hz, self.sim.time + self.chunk))
         if self.sim.clock >= now.target or asker.ended:
             now.target, self.advances = -1, None
             asker.answer(id_, {"ok": True, "t": self.sim.time})
@@ -215,7 +227,7 @@ class Server:
         self.machine.check(self.listened)
         self.machine.tell_console()
         for connection in self.connections.values():
-            if isinstance(connection, Messenger) and not connection.ended:
+            if not connection.ended:
                 with self._unharmed(connection):
                     connection.stream(now)
 
@@ -243,8 +255,8 @@ class Server:
     # --- connections ---
 
     def _listen(self, wait: float) -> None:
-        """Accepts, reads and sends what the sockets are ready for; serves nothing."""
-        ready = self._poll.poll(wait)
+        """Accepts, reads and sends what the sockets are ready for; serves nothing but stops."""
+        ready = self.poll.poll(wait)
         self.listened = time.monotonic()
         for fd, mask in ready:
             if fd in self._doors:
@@ -260,32 +272,28 @@ class Server:
                 if mask & OUT:
                     connection.flush()
 
-    def _accept(self, door: socket.socket, kind) -> bool:
+    def _accept(self, door, kind) -> bool:
         try:
             sock, address = door.accept()
-        except BlockingIOError:
+        except OSError:
             return False
-        except OSError:  # no descriptor left: use the spare one to turn him away
-            os.close(self._spare)
-            try:
-                door.accept()[0].close()
-            except OSError:
-                return False
-            finally:
-                self._spare = os.open("/dev/null", os.O_RDONLY)
-            return True
         there = len(self.connections) + self.lockstep.now.lines
-        if there >= self.most or peer(sock)[1] != os.geteuid():
+        most = self.most + STOPS if kind is Stop else self.most
+        if there >= most or peer(sock)[1] != os.geteuid():
             sock.close()
             return True
         # what it asks is heard together with the ends that came before it
-        self.connections[sock.fileno()] = kind(sock, self._poll, address, self)
+        self.connections[sock.fileno()] = kind(sock, address, self)
         return True
 
     def becomes_line(self, connection: Connection, request: bytes) -> None:
         fd = connection.sock.detach()
         del self.connections[fd]
         self.lockstep.line(fd, request)
+
+    def _hang_up_ended(self) -> None:
+        for connection in [c for c in self.connections.values() if c.ended and not c.busy]:
+            self._hang_up(connection)
 
     def _hang_up(self, connection: Connection) -> None:
         del self.connections[connection.sock.fileno()]

@@ -47,6 +47,11 @@ def make_folder(folder: Path) -> None:
     check_folder(folder)
 
 
+def _kind(path: Path) -> socket.SocketKind:
+    """Requests at the wire and their replies are packets."""
+    return socket.SOCK_SEQPACKET if path.suffix == ".sock" else socket.SOCK_STREAM
+
+
 def peer(sock: socket.socket) -> tuple[int, int]:
     """Process and user at the other end, as the kernel knows them."""
     size = struct.calcsize("3i")
@@ -85,7 +90,7 @@ class Name:
             if not stat.S_ISSOCK(path.lstat().st_mode):
                 raise InputError.one(path, "", None, "is not a socket; move it away and try again")
             path.unlink()
-        server = socket.socket(socket.AF_UNIX)
+        server = socket.socket(socket.AF_UNIX, _kind(path))
         old = os.umask(0o177)
         try:
             server.bind(str(path))
@@ -115,7 +120,7 @@ class Name:
 
 def connect(path: Path, timeout: float | None = None) -> socket.socket:
     """A connection to a server of our own; OSError with a sentence otherwise."""
-    sock = socket.socket(socket.AF_UNIX)
+    sock = socket.socket(socket.AF_UNIX, _kind(path))
     try:
         sock.bind("")  # the kernel gives it a name of its own, which names the file later
         sock.settimeout(timeout)

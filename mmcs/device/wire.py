@@ -74,6 +74,14 @@ def catches(pid: int, number: int) -> bool:
     return False
 
 
+def is_request(packet: bytes) -> bool:
+    """A head, and as many bytes as it says."""
+    if len(packet) < REQUEST.size:
+        return False
+    magic, *_, length, _ = REQUEST.unpack_from(packet)
+    return magic == MAGIC and length <= MAX_DATA and len(packet) == REQUEST.size + length
+
+
 def well_formed(op: int, a: int, b: int, size: int) -> bool:
     """Whether the data of a request is as long as its kind says."""
     if op == OPEN:

@@ -59,13 +59,12 @@ class Raw:
     def __init__(self, bench, flags=os.O_RDWR, device=b"/dev/mc0"):
         self.bench = bench
         self.file, self.channel = self._connect(), self._connect()
-        self.rest = b""  # of a flood
         self.name = self.file.getsockname().strip(b"\0")
         self._send(self.file, OPEN, b"", flags, os.fstat(self.file.fileno()).st_ino, device)
         assert self._answer(self.file) == (0, b"")
 
     def _connect(self):
-        sock = socket.socket(socket.AF_UNIX)
+        sock = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         sock.bind("")
         sock.connect(str(self.bench.server.path))
         sock.setblocking(False)
@@ -73,22 +72,18 @@ class Raw:
 
     def _send(self, sock, op, name, a, b, data):
         data = REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data
-        while data:
+        while True:
             try:
-                data = data[sock.send(data) :]
+                return sock.send(data)
             except BlockingIOError:
                 self.bench.server.step()
 
     def _answer(self, sock):
-        data = b""
-        while len(data) < REPLY.size or len(data) < REPLY.size + REPLY.unpack_from(data)[1]:
+        while True:
             self.bench.server.step()
-            try:
-                data += sock.recv(1 << 16)
-            except BlockingIOError:
-                continue
-        result, length = REPLY.unpack_from(data)
-        return result, data[REPLY.size : REPLY.size + length]
+            with contextlib.suppress(BlockingIOError):
+                data = sock.recv(1 << 17)
+                return REPLY.unpack_from(data)[0], data[REPLY.size :]
 
     def call(self, op, a=0, data=b"", b=0):
         self._send(self.channel, op, self.name, a, b, data)
@@ -97,14 +92,12 @@ class Raw:
     def flood(self):
         """As much as the socket takes of reads, writes and parameters; answers are thrown away."""
         states = REQUEST.pack(MAGIC, READ, self.name, 56, 0, 0, os.getpid())
-        some = REQUEST.pack(MAGIC, WRITE, self.name, 0, 0, 8, os.getpid()) + struct.pack(
-            "<2i", 5, 5
-        )
+        some = REQUEST.pack(MAGIC, WRITE, self.name, 0, 0, 8, os.getpid()) + bytes(8)
         asked = REQUEST.pack(MAGIC, IOCTL, self.name, mcdef.MGETINTERVAL, 0, 0, os.getpid())
         with contextlib.suppress(BlockingIOError):
             while True:
-                self.rest = self.rest or (states + some + asked) * 50
-                self.rest = self.rest[self.channel.send(self.rest) :]
+                for packet in (states, some, asked):
+                    self.channel.send(packet)
         with contextlib.suppress(BlockingIOError):
             while self.channel.recv(1 << 20):
                 pass

@@ -68,7 +68,7 @@ def test_a_file_is_opened_once_and_has_a_name(bench):
     inode = os.fstat(program.file.fileno()).st_ino
     program._send(program.channel, wire.OPEN, b"", 2, inode, b"/dev/mc0")
     assert program._answer(program.channel)[0] == 0  # the channel is a file now
-    nameless = socket.socket(socket.AF_UNIX)
+    nameless = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     nameless.connect(str(bench.server.path))
     nameless.setblocking(False)
     program._send(nameless, wire.OPEN, b"", 2, inode, b"/dev/mc0")
@@ -76,7 +76,8 @@ def test_a_file_is_opened_once_and_has_a_name(bench):
     nameless.close()
     twice = program._connect()
     message = wire.REQUEST.pack(wire.MAGIC, wire.OPEN, b"", 2, inode, 8, os.getpid()) + b"/dev/mc0"
-    twice.sendall(message * 2)
+    twice.sendall(message)
+    twice.sendall(message)
     assert program._answer(twice)[0] == 0
     assert bench.server.machine.now.opens == 3
     twice.close()
@@ -88,7 +89,7 @@ def test_more_connections_than_are_served(bench):
     bench.server.most = 20
     many = []
     for _ in range(60):
-        sock = socket.socket(socket.AF_UNIX)
+        sock = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         sock.connect(str(bench.server.path))
         many.append(sock)
         bench.server.step()
@@ -102,7 +103,7 @@ def test_more_connections_than_are_served(bench):
 def test_no_descriptor_is_left(bench):
     """Whoever connects then is turned away; the server and the stop path live."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    many = [socket.socket(socket.AF_UNIX) for _ in range(40)]
+    many = [socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(40)]
     with stop_line(bench) as line:
         bench.server.step()
         for sock in many:

@@ -6,7 +6,6 @@ import itertools
 import json
 import os
 import random
-import socket
 import struct
 import threading
 
@@ -16,6 +15,7 @@ from mmcs import mcdef
 from mmcs.device.client import Device
 from mmcs.device.link import Link, Samples
 from mmcs.device.messages import REQUESTS
+from mmcs.device.sockets import connect
 from mmcs.tests.raw import Asker
 
 REPLIES = 100_000
@@ -173,8 +173,7 @@ WEB = b"GET / HTTP/1.0\r\n" + b"x" * 100
     (".msg", struct.pack("<I", 60000) + b"[" * 60000), (".msg", WEB), (".sock", WEB),
 ])  # fmt: skip
 def test_rubbish_is_hung_up(serving, suffix, bytes_):
-    with socket.socket(socket.AF_UNIX) as rude:
-        rude.connect(str(serving.server.path.with_suffix(suffix)))
+    with connect(serving.server.path.with_suffix(suffix)) as rude:
         rude.sendall(bytes_)
         rude.settimeout(10)
         while rude.recv(4096):  # its hello, then the end
@@ -430,7 +429,7 @@ def test_random_requests_are_answered(unsignalled, bench, part):
         asked |= {"id": n, "op": chance.choice(ops)}
         client.post(asked)
         assert client.reply()["id"] == n, asked
-        bench.server.pace.set(None, False)
+        bench.server.machine.now.speed, bench.server.machine.now.paused = 0, False
 
 
 @pytest.mark.req("DRV-5")

@@ -6,7 +6,7 @@ import socket
 import pytest
 
 from mmcs import mcdef
-from mmcs.device import pace, server
+from mmcs.device import server
 from mmcs.device.sockets import Name
 from mmcs.device.wire import IOCTL
 from mmcs.errors import InputError
@@ -26,7 +26,7 @@ def test_socket_is_private_and_the_name_taken_once(mc0):
 
 def test_what_a_dead_server_left_is_taken_over_and_nothing_else(mc0):
     name = Name(mc0)
-    socket.socket(socket.AF_UNIX).bind(str(mc0))
+    socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET).bind(str(mc0))
     name.listen(".sock").close()
     name.release()
     mc0.write_text("somebody's work")
@@ -65,11 +65,11 @@ def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, mc0, make):
 @pytest.mark.req("DRV-9")
 def test_real_time_and_standstill(tmp_path, monkeypatch):
     clock = Clock()
-    monkeypatch.setattr(pace, "time", clock)
+    monkeypatch.setattr(server, "time", clock)
     with Bench(tmp_path, speed=0.5) as bench:
         clock.now += 10
         bench.server.step()
-        assert bench.sim.time <= 1.001 * pace.CHUNK_MAX_S  # those ten seconds are not run after
+        assert bench.sim.time <= 1.001 * server.CHUNK_MAX_S  # those ten seconds are not run after
         bench.python("import os; os.open('/dev/mc0', 2); input()")
         bench.until(lambda: bench.server.files)
         began, simulated = clock.now, bench.sim.time
@@ -78,12 +78,12 @@ def test_real_time_and_standstill(tmp_path, monkeypatch):
             for _ in range(8):
                 bench.server.step()
             due = 0.5 * (clock.now - began)
-            assert due <= bench.sim.time - simulated <= due + 1.001 * pace.CHUNK_MAX_S
+            assert due <= bench.sim.time - simulated <= due + 1.001 * server.CHUNK_MAX_S
         clock.now += 60  # somebody stopped the server: the minute is not run after
         simulated = bench.sim.time
         for _ in range(8):
             bench.server.step()
-        assert bench.sim.time - simulated <= 1.001 * pace.CHUNK_MAX_S
+        assert bench.sim.time - simulated <= 1.001 * server.CHUNK_MAX_S
 
 
 def test_enable_in_a_paused_machine_says_what_it_waits_for(bench, monkeypatch):

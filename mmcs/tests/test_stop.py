@@ -80,16 +80,16 @@ def test_a_stop_reaches_an_enable_that_waits(bench, program):
         bench.server.step()
         program._send(program.channel, IOCTL, program.name, mcdef.MENABLE, 0, b"")
         looks = []
-        genuine = bench.server.stop_path.serve
+        genuine = bench.server._listen
 
-        def serve():
+        def listen(wait):
             if bench.sim.run(bench.sim.time) is False:  # a request waits
                 looks.append(bench.sim.time)
                 if len(looks) == 3:
                     line.sendall(b"stop\n")
-            genuine()
+            genuine(wait)
 
-        bench.server.stop_path.serve = serve
+        bench.server._listen = listen
         assert program._answer(program.channel)[0] == -5
         assert len(looks) > 3
         assert not bench.sim.stats()["enabled"]

@@ -195,17 +195,19 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
   reply(l->fd, result, NULL, 0);
 }
 
-/* One request, which came in one piece; anything else ends the line. */
+/* One request; anything else ends the line. */
 static void hear(struct turns *t, struct line *l) {
-  struct wire_request r;
-  char data[MOST_ASKED];
+  struct {
+    struct wire_request head;
+    char data[MOST_ASKED];
+  } r;
   const ssize_t got = recv(l->fd, &r, sizeof(r), MSG_DONTWAIT);
   if (got < 0 && errno == EAGAIN) return;
-  if (got != (ssize_t)sizeof(r) || r.magic != WIRE_MAGIC || r.length > sizeof(data) ||
-      (r.length > 0 && recv(l->fd, data, r.length, MSG_DONTWAIT) != (ssize_t)r.length))
+  if (got < (ssize_t)sizeof(r.head) || r.head.magic != WIRE_MAGIC ||
+      (size_t)got != sizeof(r.head) + r.head.length)
     leave_line(t, l, 0);
   else
-    serve(t, l, &r, data);
+    serve(t, l, &r.head, r.data);
 }
 
 int turns_hear(struct turns *t, int fd) {

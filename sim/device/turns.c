@@ -16,7 +16,6 @@
 #define STRETCH_S 0.01  /* of time between looks at the stop path */
 #define LOOK_S 0.001    /* of time between looks at descriptors from outside */
 #define NO_SAMPLE_S 2.5 /* of the machine: with an interval over 1 s MENABLE fails */
-enum turns_end { GOES_ON = 0, SAMPLED = 1, LATE = 2 };
 
 int64_t clock_of(const struct turns *t) {
   return mmcs_sim_clock(t->sim);
@@ -282,7 +281,6 @@ void turns_passed(struct turns *t, int sampled) {
     if (wants(l, WAIT_SAMPLE) && clock > l->patience) ready(l, CAUSE_LATE);
     if (l->outside) look(l);
   }
-  if (t->watched && (sampled || clock > t->watched)) others_ran(t, NULL);
 }
 
 /* All that any thread waits for is another one. */
@@ -297,10 +295,10 @@ static const struct process *deadlocked(const struct turns *t) {
 }
 
 /* While every line waits: up to the first end of a wait, or a stretch. */
-static int pass_time(struct turns *t) {
+static void pass_time(struct turns *t) {
   const int64_t clock = clock_of(t), before = mmcs_sim_samples(t->sim);
-  const struct process *stuck = t->watched ? NULL : deadlocked(t);
-  int samples = t->watched != 0, others = samples, outside = 0;
+  const struct process *stuck = deadlocked(t);
+  int samples = 0, others = 0, outside = 0;
   struct line *files = NULL;
   uint64_t end = WIRE_NEVER;
   int64_t to;
@@ -315,7 +313,7 @@ static int pass_time(struct turns *t) {
   EACH_PROCESS(t, p) EACH_TIMER(p, timer) if (timer->first < end) end = timer->first;
   if (files != NULL && end == WIRE_NEVER && !samples && !others) {
     ready(files, CAUSE_OUTSIDE); /* only the outside world can go on */
-    return GOES_ON;
+    return;
   }
   if (stuck != NULL) tell(t, stuck, TURNS_EACH_OTHER);
   to = clock + (int64_t)((outside ? LOOK_S : STRETCH_S) * (double)t->hz);
@@ -326,28 +324,26 @@ static int pass_time(struct turns *t) {
   if (to > t->limit) to = t->limit;
   if (to > clock && mmcs_sim_run_to(t->sim, to, samples) != 0) t->good = 0;
   see_signals(t);
-  samples = mmcs_sim_samples(t->sim) != before;
-  turns_passed(t, samples);
-  if (t->watched == 0 || (!samples && clock_of(t) <= t->watched)) return GOES_ON;
-  return samples ? SAMPLED : LATE;
+  turns_passed(t, mmcs_sim_samples(t->sim) != before);
 }
 
-static int turn(struct turns *t) {
+static void turn(struct turns *t) {
   struct line *next;
   reap(t);
-  if (turns_busy(t) || t->processes == NULL) return GOES_ON;
+  if (turns_busy(t) || t->processes == NULL) return;
   next = next_line(t);
-  if (next == NULL) return pass_time(t);
-  release(t, next);
-  return GOES_ON;
+  if (next != NULL)
+    release(t, next);
+  else
+    pass_time(t);
 }
 
-int turns_run(struct turns *t, int turns, int timeout_ms) {
+void turns_run(struct turns *t, int turns, int timeout_ms) {
   const int64_t events = events_of(t);
   for (; turns > 0; turns--) {
     struct epoll_event came[2];
-    int n, busy, end = turns_rest(t) ? GOES_ON : turn(t);
-    if (end != GOES_ON) return end;
+    int n, busy;
+    if (!turns_rest(t)) turn(t);
     if (events_of(t) != events) break;
     busy = turns_busy(t);
     n = epoll_wait(t->epoll, came, 2, busy ? timeout_ms : 0);
@@ -357,5 +353,4 @@ int turns_run(struct turns *t, int turns, int timeout_ms) {
       tell(t, t->running->process, t->running->outside ? TURNS_OUTSIDE : TURNS_SILENT);
     if (n != 1 || !turns_hear(t, came[0].data.fd)) break;
   }
-  return GOES_ON;
 }

@@ -11,7 +11,6 @@
 
 struct turns {                /* the server reads and writes the first of it */
   int64_t limit;              /* a clock that time does not go past */
-  int64_t watched;            /* the clock until which a channel waits for a sample; 0: none does */
   int64_t requests;           /* that have come on lines */
   double silent_s, outside_s; /* of real time, after which `tell` is called */
   int32_t good;               /* no assertion of the model has failed */
@@ -65,8 +64,8 @@ void turns_passed(struct turns *t, int sampled);
 int turns_busy(const struct turns *t);
 int turns_rest(const struct turns *t);
 /* So many turns: a thread goes on and is served, or time passes. Ends before whatever the server
- * has to do; 1: behind a sample that is watched, 2: it has not come. */
-int turns_run(struct turns *t, int turns, int timeout_ms);
+ * has to do. */
+void turns_run(struct turns *t, int turns, int timeout_ms);
 
 #pragma GCC visibility pop
 #endif

@@ -40,33 +40,18 @@ pid_t wire_pid(void) {
   return *page;
 }
 
-/* Takes so many bytes off the front; the parts that are left. */
-static void advance(struct msghdr *message, size_t bytes) {
-  for (size_t i = 0; i < message->msg_iovlen; i++) {
-    struct iovec *part = &message->msg_iov[i];
-    size_t of = bytes < part->iov_len ? bytes : part->iov_len;
-    part->iov_base = (char *)part->iov_base + of;
-    part->iov_len -= of;
-    bytes -= of;
-  }
-}
-
 /* The preload library interposes read, write and close; these go straight to the kernel. */
 int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
              const void *data, uint32_t length) {
   struct wire_request head = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
   struct iovec parts[2] = {{&head, sizeof(head)}, {(void *)(uintptr_t)data, length}};
   struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
+  ssize_t sent;
   head.pid = wire_pid();
   if (name != NULL) memcpy(head.name, name, WIRE_NAME);
-  for (size_t left = sizeof(head) + length; left > 0;) {
-    ssize_t n = syscall(SYS_sendmsg, fd, &message, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return -1;
-    advance(&message, (size_t)n);
-    left -= (size_t)n;
-  }
-  return 0;
+  do sent = syscall(SYS_sendmsg, fd, &message, MSG_NOSIGNAL);
+  while (sent < 0 && errno == EINTR);
+  return sent < 0 ? -1 : 0;
 }
 
 /* The alarm of a program whose server does not answer must reach it: what has waited for LATE_MS
@@ -74,26 +59,21 @@ int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64
 int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room, const sigset_t *before) {
   struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
   struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
-  size_t have = 0;
-  int late = 0;
-  while (have < sizeof(*reply) || have - sizeof(*reply) < reply->length) {
-    const int let = late;
+  for (int late = 0;;) {
     sigset_t own;
     ssize_t n;
     int error;
-    if (let) pthread_sigmask(SIG_SETMASK, lock_late(before), &own);
+    if (late) pthread_sigmask(SIG_SETMASK, lock_late(before), &own);
     n = syscall(SYS_recvmsg, fd, &message, 0);
     error = errno;
-    if (let) pthread_sigmask(SIG_SETMASK, &own, NULL);
-    late = n < 0 && error == EAGAIN && before != NULL;
-    if (n < 0 && error == EINTR && let) return -EINTR;
-    if (n < 0 && (error == EINTR || error == EAGAIN)) continue;
-    if (n <= 0) return -EIO;
-    have += (size_t)n;
-    if (have >= sizeof(*reply) && reply->length > room) return -EIO;
-    advance(&message, (size_t)n);
+    if (late) pthread_sigmask(SIG_SETMASK, &own, NULL);
+    if (n >= (ssize_t)sizeof(*reply) && reply->length <= room)
+      return (size_t)n == sizeof(*reply) + reply->length ? 0 : -EIO;
+    if (n >= 0) return -EIO;
+    if (error == EINTR && late) return -EINTR;
+    if (error != EINTR && error != EAGAIN) return -EIO;
+    late = error == EAGAIN && before != NULL;
   }
-  return 0;
 }
 
 static void close_directly(int fd) {
@@ -121,7 +101,7 @@ int wire_connect(int cloexec) {
   const struct timeval late = {0, LATE_MS * 1000};
   int fd;
   if (!server_path[0]) return -ENXIO;
-  fd = socket(AF_UNIX, SOCK_STREAM | (cloexec ? SOCK_CLOEXEC : 0), 0);
+  fd = socket(AF_UNIX, SOCK_SEQPACKET | (cloexec ? SOCK_CLOEXEC : 0), 0);
   if (fd < 0) return -errno;
   (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &late, sizeof(late));
   /* autobind: the kernel picks a free abstract address */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The wire between a program under `mmcs exec` and the simulator behind `mmcs serve`.
  *
- * Two kinds of connection to one Unix stream socket. A *file* is what open("/dev/mc0") returns: the
- * kernel gives it dup, fork, close and exit for free, and the server sees the last close as a
- * hang-up. It carries only the opening request, its reply, and then one byte that keeps it readable
- * for poll(); bytes that a program sends on it past this library fail with EPIPE. A *channel*
- * carries calls, one at a time; a call names its file by the abstract address that the kernel gave
- * to the file when it was bound. Both ends ask the kernel for the user at the other one.
+ * Two kinds of connection to one Unix socket, on which a request or a reply is one packet. A *file*
+ * is what open("/dev/mc0") returns: the kernel gives it dup, fork, close and exit for free, and the
+ * server sees the last close as a hang-up. It carries only the opening request, its reply, and one
+ * byte that keeps it readable for poll(); bytes sent on it past this library fail with EPIPE. A
+ * *channel* carries calls, one at a time; a call names its file by the abstract address that the
+ * kernel gave the file when it was bound. Both ends ask the kernel for the user at the other one.
  *
  * All numbers are little-endian, as on the machines that can run this; structures are packed by
  * construction. Python reads this very file, so it holds plain C declarations only.

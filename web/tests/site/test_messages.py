@@ -73,7 +73,7 @@ ASKED = [
 def by_socket(tmp_path) -> list[dict]:
     with machine(load("lab500")) as sim:
         server = Server(sim, tmp_path / "mc0.sock", None)
-        server.pace.set(None, True)
+        server.machine.now.paused = True
         client, replies = Asker(server), []
         for asked in ASKED:
             client.post(asked)
