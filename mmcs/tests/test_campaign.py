@@ -12,7 +12,7 @@ from mmcs import ROBOTS, expect_plant, load, simulate
 from mmcs.inputs import INPUTS
 from mmcs.sweeps import stops
 from mmcs.sweeps import twin as twins
-from mmcs.sweeps.campaign import CHUNK, Plan, make_plan, run_fault, twin_of
+from mmcs.sweeps.campaign import make_plan, run_fault, twin_of
 from mmcs.sweeps.campaign_report import how_far, wilson
 from mmcs.sweeps.classes import CLASSES, DANGEROUS, HARMLESS, LATE, MASKED, NEAR, SAFE, Seen, judge
 from mmcs.sweeps.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
@@ -221,18 +221,6 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
     lines = kept(tmp_path)
     assert sorted(line["n"] for line in lines) == list(range(20))
     assert [line["n"] for line in lines if line["row"]["status"] == "failed"] == [5]
-
-
-def test_motions_take_turns():
-    """A campaign that is stopped has done as many faults of each."""
-    names = ("a", "b", "c")
-    plan = Plan(names, dict.fromkeys(names), (), (), 1, ())
-    plan.fault = lambda n: n
-    order = [numbers for numbers, _ in plan.chunks(list(range(1000)))]
-    assert sorted(n for numbers in order for n in numbers) == list(range(1000))
-    for done in range(1, len(order)):
-        each = Counter(n % 3 for numbers in order[:done] for n in numbers)
-        assert max(each.values()) - min(each[m] for m in range(3)) <= CHUNK
 
 
 # --- what is drawn -----------------------------------------------------------------------------

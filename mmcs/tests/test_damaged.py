@@ -1,23 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of results that are damaged or none, and disks that are full: one clear line, and nothing
-is lost."""
+"""Names, files, disks and surroundings that mean no good: one clear line, and nothing is lost."""
 
-import io
+import json
 import os
 import random
+import re
 import resource
 import shutil
+import subprocess
 import sys
-from types import SimpleNamespace
 
 import pytest
 
-from mmcs.engine import build
-from mmcs.errors import InputError, RunError
+from mmcs import ROBOTS, ROOT
+from mmcs.errors import InputError
 from mmcs.runs.record import read_record
 from mmcs.sweeps.store import Store
-from mmcs.tests.conftest import GOOD, one_clear_line
-from mmcs.tests.test_hostile import command
+from mmcs.tests.conftest import GOOD, call, good, one_clear_line
 from tools.compiled import ran
 from tools.parsers import attack
 
@@ -35,7 +34,7 @@ def good_run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     path = folder / "short.toml"
     path.write_text(GOOD.replace("duration = 0.3", "duration = 0.06"))
-    assert command("run", path, "--out", folder / "out")[0] == 0
+    good(call("run", path, "--out", folder / "out"))
     return folder / "out"
 
 
@@ -80,7 +79,7 @@ def test_damaged_rows(tmp_path):
 
 
 @pytest.mark.parametrize("report", [
-    "[" * 50_000, '{"scenario": 1, "axes": [], "hash": ""}', "nul", "\ud800".encode(
+    "[]", "[" * 50_000, '{"scenario": 1, "axes": [], "hash": ""}', "nul", "\ud800".encode(
         errors="surrogatepass"), '{"scenario": "x", "axes": [1], "hash": "0x1"}',
 ])  # fmt: skip
 def test_damaged_report(mmcs, good_run, tmp_path, report):
@@ -88,7 +87,8 @@ def test_damaged_report(mmcs, good_run, tmp_path, report):
     shutil.copytree(good_run, folder)
     data = report if isinstance(report, bytes) else report.encode()
     (folder / "report.json").write_bytes(data)
-    one_clear_line(mmcs("compare", folder, folder), f"{folder}: ")
+    for words in (("compare", folder, folder), ("export", "film", folder)):
+        one_clear_line(mmcs(*words), start=f"{folder}: ")
     one_clear_line(mmcs("trace", folder, "--at", "panic"))
 
 
@@ -163,39 +163,98 @@ def test_no_room_is_told_and_nothing_is_left_half(tmp_path, words, limit, told, 
     assert not [path for path in tmp_path.glob(left) if path.is_file()]
 
 
-ABORTS = """
-import mmcs, sys
-def caught():
-    line = next(x for x in open("/proc/self/status") if x.startswith("SigCgt"))
-    return int(line.split()[1], 16) >> 5 & 1
-seen = [caught()]
-with mmcs.machine(mmcs.load(sys.argv[1]), "trace") as sim:
-    for name in ("a.fst", "b.fst"):
-        sim.trace(name)
-        seen.append(caught())
-print(*seen, caught())
-"""
+CLI = [sys.executable, "-m", "mmcs"]
 
 
-def test_an_abort_is_ours_while_waveforms_are_written_alone(tmp_path):
-    (tmp_path / "short.toml").write_text(GOOD)
-    done = ran(sys.executable, "-c", ABORTS, "short.toml", cwd=tmp_path)
-    assert done.stdout.split() == ["0", "1", "1", "0"], done.stderr
+def command(*args, **options):
+    done = ran(*CLI, *args, text=False, **options)
+    return done.returncode, done.stdout, done.stderr
 
 
-def test_full_disk_is_told_as_such(tmp_path, monkeypatch):
-    """Whatever the tool says that could not write: here Python's reader of a tree that was cut."""
-    (tmp_path / "sim").mkdir()
-    monkeypatch.setattr(build, "BUILD", tmp_path)
-    monkeypatch.setattr(build, "LOG", tmp_path / "sim" / "build.log")
-    monkeypatch.setattr(build, "WORK", tmp_path)
-    monkeypatch.setattr(build, "_run", lambda *_, **__: 1)
-    monkeypatch.setattr(build, "_spinner", lambda _: io.StringIO())
-    build.LOG.write_text("json.decoder.JSONDecodeError: Unterminated string\n")
-    usage = lambda free: lambda _: SimpleNamespace(free=free)  # noqa: E731
-    monkeypatch.setattr(build.shutil, "disk_usage", usage(4096))
-    with pytest.raises(RunError, match="no room is left on the disk of .*: free some"):
-        build.ensure_library(1, "speed")
-    monkeypatch.setattr(build.shutil, "disk_usage", usage(1 << 30))
-    with pytest.raises(RunError, match="JSONDecodeError"):
-        build.ensure_library(1, "speed")
+# --- names -------------------------------------------------------------------------------------
+
+NAMES = ["[red]x[bold]", "[x", "[b]", "\x1b[31mx", "a\rb", "a\nb", ":smile:", b"\xff\xfe".decode(
+    errors="surrogateescape"), "ümläut", "x" * 200, "-" + "x", "%s", "{x}"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES, ids=range(len(NAMES)))
+def test_names_are_text(mmcs, tmp_path, name):
+    path = tmp_path / f"{name}.toml"
+    path.write_text(GOOD.replace('"a test"', '"[b]a\\u001b[7m :smile:"'))
+    for args in (("check", path), ("show", path)):
+        out = good(mmcs(*args), silent=True)
+        assert "\x1b" not in out and "\r" not in out and "\udcff" not in out
+    one_clear_line(mmcs("check", path, "--set", "axis.0.b0=0"))
+    one_clear_line(mmcs("run", tmp_path / name / "none"))
+    one_clear_line(mmcs("replay", tmp_path / name))
+    one_clear_line(mmcs("run", f"--{name}", "lab500"))
+
+
+def test_names_of_a_robot_are_text(mmcs, tmp_path, scenario):
+    robot = (ROBOTS / "lab500.toml").read_text()
+    name = r'"[red]\u001b[31m"'
+    text = re.sub(r'^name = ".*"', lambda _: f"name = {name}", robot, flags=re.M)
+    assert name in text
+    (tmp_path / "mine.toml").write_text(text)
+    out = good(mmcs("show", scenario(GOOD.replace('"lab500"', '"./mine.toml"'))), silent=True)
+    assert "[red]\\x1b[31m" in out and "\x1b" not in out
+
+
+def test_no_way_out_of_the_folder_of_results(mmcs, tmp_path):
+    for name in ("...toml", "..toml"):
+        path = tmp_path / name
+        path.write_text(GOOD)
+        one_clear_line(mmcs("run", path), "is no name for results; rename the file")
+    assert [p.name for p in tmp_path.iterdir() if p.is_dir()] == []
+
+
+# --- surroundings ------------------------------------------------------------------------------
+
+ASCII = {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0", "LANG": "C"}
+
+
+def test_locale_without_unicode(tmp_path):
+    (tmp_path / "ü.toml").write_text(GOOD.replace("a test", "ein Tüst"), encoding="utf-8")
+    for args in (("list",), ("show", "puma560"), ("check", tmp_path / "ü.toml")):
+        status, out, err = command(*args, env=os.environ | ASCII)
+        assert (status, err) == (0, b"")
+    status, out, err = command("show", tmp_path / "ü.toml", env=os.environ | ASCII)
+    assert status == 0 and "ein Tüst" in out.decode()
+
+
+def test_no_width_and_warnings_that_are_errors(tmp_path, scenario):
+    env = os.environ | {"COLUMNS": "0", "PYTHONWARNINGS": "error"}
+    status, out, err = command("run", scenario(), "--out", tmp_path / "out", env=env)
+    assert (status, err) == (0, b"") and b"shoot" in out
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-", "2>/dev/full"])
+def test_closed_files_lose_nothing(mmcs, tmp_path, scenario, closed):
+    out = tmp_path / "out"
+    run = ["sh", "-c", f'exec "$@" {closed}', "sh", *CLI, "run", scenario(), "--out", out]
+    assert subprocess.run(run, cwd=ROOT, check=False).returncode == 0
+    report = json.loads((out / "report.json").read_text())
+    assert report["scenario"] == "test" and (out / "run.mmcs").read_text().startswith("{")
+    assert not list(out.glob(".new")) and mmcs("compare", out, out)[0] == 0
+
+
+# --- files that are none, or never end ---------------------------------------------------------
+
+
+def test_file_that_never_ends(mmcs, scenario, tmp_path):
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "big.csv").write_bytes(b"1\n" * (5 << 20))
+    (tmp_path / "big.toml").write_bytes(b"#" * (2 << 20))
+    table = '[[motion]]\naxis = 0\nkind = "table"\nat = 0.1\nduration = 0.1\nfile = "{}"\n'
+    for file, words in (
+        ("/dev/zero", "is a pipe, a device or a folder"),
+        ("pipe.csv", "is a pipe, a device or a folder"),
+        ("/", "cannot be read"),
+        ("big.csv", "is larger than 8 MB"),
+    ):
+        text = GOOD.partition("[[motion]]")[0] + table.format(file)
+        one_clear_line(mmcs("check", scenario(text)), words)
+    one_clear_line(mmcs("check", tmp_path / "big.toml"), "is larger than 1 MB")
+    one_clear_line(
+        mmcs("check", scenario(GOOD.replace('"lab500"', '"./big.toml"'))), "is larger than 1 MB"
+    )

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Control synthesis (§2.5) beside independent oracles, and in the machine."""
+"""Control synthesis (§2.5) beside independent oracles, and in the machine; what
+`mmcs design` says of friction, limit and the step to expect."""
 
+import json
 import math
 import random
+import re
 
 import numpy as np
 import pytest
 
-from mmcs import mcdef
+from mmcs import ROOT, run
 from mmcs.scenario import synthesis as ds
 from mmcs.scenario.load import load_robot
-from mmcs.scenario.motor import plant_of
+from mmcs.scenario.motor import compensation, plant_of
 from mmcs.tests.conftest import good
 
 T = 1e-3
@@ -155,42 +158,23 @@ def test_an_integral_adds_a_pole_and_leaves_the_others(slow):
 def test_command(mmcs):
     assert good(mmcs("design", "--wn", "60")).startswith("PD by backward at 1000 us: P ")
     made = good(mmcs("design", "-p", "4", "-d", "0.1", "--toml"))
+    assert "warning: rounding changes the gain by up to 6.9 %" in mmcs("design", "-p", "1e-9")[2]
     assert "a0 = 104\na1 = -100\na2 = 0\nb0 = 1\nb1 = 0\n" in made
 
 
 @pytest.mark.req("DAC-1")
 @pytest.mark.parametrize(("method", "rings"), [("bilinear", True), ("backward", False)])
-def test_ringing_in_the_machine(bench, method, rings):
+def test_ringing_in_the_machine(method, rings):
     """Double-buffered D/As and the bilinear PID: the current alternates at half the sample rate."""
     plant = plant_of(load_robot("lab500")[1].axis[0])
     pd = ds.place(plant, 80.0)
     k = ds.to_integers(ds.discretize(ds.Controller(pd.p, 5.0, pd.d), method, T))
-    sim = bench.sim
-    mc = sim.open(2)
-    assert sim.ioctl(mc, mcdef.MSETINTERVAL, mcdef.new_int(1000)) == 0
-    assert sim.ioctl(mc, mcdef.MDACMODE, mcdef.new_int(1)) == 0
-    param = mcdef.new_param(0)
-    sim.ioctl(mc, mcdef.MGETPARAM, param)
-    param.mode, param.ilim = mcdef.MD_POS, 2047
-    param.a0, param.a1, param.a2 = k.a
-    param.b0, param.b1, param.b2 = k.b
-    assert sim.ioctl(mc, mcdef.MSETPARAM, param) == 0
-    assert sim.ioctl(mc, mcdef.MENABLE) == 0
-    sim.write(mc, [50, 0])
-    inow = []
-    for _ in range(400):
-        sim.run(sim.time + T)
-        inow.append(sim.read(mc, 1)[0]["inow"])
-    tail = np.array(inow[-100:], dtype=float)
+    values = zip(("a0", "a1", "a2", "b0", "b1", "b2"), (*k.a, *k.b), strict=True)
+    sets = [f"axis.0.{name}={value}" for name, value in values]
+    seen = run("lab500", *sets, "axis.0.flags=[]", "axis.0.ilim=2047", "motion.0.to=50")
+    tail = seen.column(0, "current")[-100:].astype(float)
     alternation = abs(np.mean(tail * (-1.0) ** np.arange(100)))
     assert (alternation > 100) == rings, alternation
-
-
-def test_tiny_gains_are_told_to_round(mmcs):
-    status, _, err = mmcs("design", "-p", "1e-9")
-    assert status == 0
-    assert "warning: rounding changes the gain by up to 6.9 %" in err
-    assert "rounding" not in mmcs("design", "-p", "4")[2]
 
 
 @pytest.mark.parametrize("scale", [None, 64, 256, 4096])
@@ -221,3 +205,70 @@ def test_the_robot_ships_what_design_makes(mmcs, axis, interval):
     assert f"pd_{interval}us = {shipped}\n" in out
     a0, a1, b0, b1 = [*shipped, 0][:4]
     assert a0 / b0 - (a0 + a1) / (b0 + b1) <= 150
+
+
+# --- of a motor -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("robot", ["lab500", "puma560"])
+def test_compensation_is_that_of_the_robot_files(robot):
+    motors = load_robot(robot)[1].axis
+    for motor in motors:
+        pos, neg = compensation(motor)
+        assert abs(pos - motor.servo.ic_pos) <= 1 and abs(neg - motor.servo.ic_neg) <= 1
+    reversed_axis = motors[0].model_copy(update={"amp_gain": -motors[0].amp_gain})
+    assert compensation(reversed_axis) == tuple(-ic for ic in compensation(motors[0]))
+
+
+def test_the_design_says_where_the_machine_rests(mmcs, tmp_path):
+    """The bounds that the program prints hold in the machine, and are not far from what it does."""
+    status, said, _ = mmcs("design", "--wn", "80", "--robot", "lab500")
+    bounds = re.search(r"may rest (\d+) counts off its setpoint, (\d+) without", said)
+    first = re.search(r"a step of more than (\d+) counts begins at ilim 1024", said)
+    assert status == 0 and "ic_pos 84, ic_neg 84" in said and first
+    for flags, bound in (('["coulcomp"]', bounds[1]), ("[]", bounds[2])):
+        error = run("lab500", f"axis.0.flags={flags}").report["axes"][0]["steady_error_counts"]
+        assert 0.3 * int(bound) - 1 <= error <= int(bound)
+    for step, cut in ((int(first[1]) - 1, False), (int(first[1]) + 2, True)):
+        out = tmp_path / f"step{step}"
+        said = mmcs("run", "lab500", "--set", f"motion.0.to={step}", "--out", str(out))[1]
+        assert ("the limit cut the current" in said) == cut
+        report = json.loads((out / "report.json").read_text())
+        assert (report["axes"][0]["limited_samples"] > 0) == cut
+
+
+@pytest.mark.parametrize("axis, options", [(0, ()), (0, ("--wn", "40")), (1, ()), (5, ())])
+def test_the_expected_step_is_the_machine_s(mmcs, axis, options):
+    """On the bench motor, and on joints of the PUMA, of which one counts the other way."""
+    robot = "puma560" if axis else "lab500"
+    wanted = ("--robot", robot, "--axis", axis, *(options or ("--wn", "80")))
+    said = mmcs("design", *map(str, wanted))[1]
+    told = r"rises in (\d+) ms, overshoots by (\d+) %, ends (\d+) counts off"
+    rise, over, off = map(int, re.search(told, said).groups())
+    pasted = mmcs("design", *map(str, wanted), "--toml")[1]
+    made = dict(re.findall(r"^([a-z]\w+) = (-?\d+)$", pasted, re.M))
+    sets = [f"axis.{axis}.{key}={value}" for key, value in made.items() if key != "axis"]
+    step = f'motion=[{{axis = {axis}, kind = "step", at = 0.05, to = 200}}]'
+    seen = run(robot, *sets, step, "duration=0.7", "expect=[]").report["axes"][axis]
+    assert abs(seen["rise_ms"] - rise) <= max(3, 0.1 * rise), (seen["rise_ms"], rise)
+    assert abs(seen["overshoot_pct"] - over) <= 2
+    assert abs(abs(seen["steady_error_counts"]) - off) <= 3
+
+
+def test_the_first_hour_tells_what_the_design_expects(mmcs, tmp_path):
+    page = (ROOT / "docs" / "use" / "first_hour.md").read_text()
+    motor = tmp_path / "motor.toml"
+    motor.write_text(re.search(r"```toml motor.toml\n(.*?)```", page, re.S)[1])
+    said = mmcs("design", "--wn", "80", "--robot", str(motor))[1]
+    rise, off = re.search(r"rises in (\d+) ms, .* ends (\d+) counts off", said).groups()
+    told = f"rises in {rise} ms and ends {off} counts from its setpoint"
+    assert told in " ".join(page.split())
+
+
+def test_a_step_that_friction_stops_is_told(mmcs, tmp_path):
+    (tmp_path / "stiff.toml").write_text(
+        'title = "stiff"\n[[axis]]\ninertia = 1e-5\nkm = 0.02\namp_gain = 0.3\n'
+        "counts_per_rev = 2000\ncoulomb_pos = 0.02\n"
+    )
+    said = mmcs("design", "-p", "1", "-d", "0.01", "--robot", str(tmp_path / "stiff.toml"))[1]
+    assert "expected: a step of 200 counts ends at" in said and "short of 90 %" in said

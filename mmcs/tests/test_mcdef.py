@@ -75,9 +75,7 @@ PROGRAMS = (
     ("gcc", "old.c", False, "extern int errno;\nmain() { errno = 3; return errno != 3; }\n"),
     ("g++", "new.cpp", True,
      "#include <sys/mcdef.h>\nint main() { return MC_FSCALE != 1024; }\n"),
-    ("cc", "plain.c", False,
-     "#include <mcdef.h>\nint main(void) { return sizeof(struct mc_param) != 72; }\n"),
-    ("cc", "plain_modern.c", True,
+    ("cc", "plain.c", True,
      "#include <mcdef.h>\nint main(void) { return sizeof(struct mc_param) != 72; }\n"),
 )  # fmt: skip
 

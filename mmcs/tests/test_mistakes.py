@@ -92,6 +92,35 @@ LINES = {
         "rise_ms = 9": "must be a pair [low, high]",
     },
 }
+# The whole of what is told.
+TOLD_WHOLE = {
+    "motion": {
+        "colour = 1": "motion.0.colour: unknown key; allowed: axis, at, unit, kind, to",
+        "to = 1e12": "motion.0.to: leaves the 32-bit range of setpoints",
+    },
+    "servo": {
+        "plo = 5\nphi = -5": "axis 0: plo = 5: must be <= phi (-5)",
+        'flags = ["coulomb"]': 'servo.0.flags.0 = "coulomb": must be one of "coulcomp", "adfb", '
+        '"zerofb", "addmd", "adoff", "poschk", "softerr"; did you mean "coulcomp"?',
+    },
+    "motor": {"fricton = 1": 'motor.0.fricton: unknown key; did you mean "friction"?'},
+    "event": {
+        'input = "card_absent"\nindex = 1': "event.0.index = 1: must be 0",
+        'input = "dip_xor"\nvalue = 16': "event.0.value = 16.0: must be 0 to 15 "
+        "(bits of the DIP switch that are set wrong)",
+    },
+    "expect": {
+        "": "expect.0: expects nothing; add one of: rise_ms, overshoot_pct, settle_ms, "
+        "steady_error_counts, final_counts, peak_error_counts",
+        "rise = 3": "expect.0.rise: unknown key; did ",
+        'kind = "stats"\nmissed = -1': "expect.0.missed = -1: "
+        "must be a whole number from 0, or a pair [low, high]",
+        'kind = "event"\nevent = "error"\naxis = 5\nseen = false': "expect.0.axis = 5: "
+        'robot "lab500" has axes 0 to 0',
+        'kind = "event"\nevent = "panic"\nafter = 0.3\nseen = false': "expect.0.after = 0.3: "
+        "must be before the end of the run (0.3 s)",
+    },
+}
 CASES = {
     # TOML itself
     "syntax": ('description = "a\n', "line 1, column 17: not valid TOML: Illegal character '\\n'"),
@@ -99,33 +128,18 @@ CASES = {
     "unfinished": ("cards =", "line 1, column 8: not valid TOML: Invalid value"),
     # keys
     "unknown key": (top("interval = 5"), 'interval: unknown key; did you mean "interval_us"?'),
-    "unknown far": (
-        table("motion", "colour = 1"),
-        "motion.0.colour: unknown key; allowed: axis, at, unit, kind, to",
-    ),
     "missing": (
         without("cards = 1\n"),
         "cards: is missing; the number of motor interface cards, 1 to 16",
     ),
     "missing in motion": (without("to = 200"), "motion.0.to: is missing; the new setpoint"),
     "no kind": (without('kind = "step"'), 'motion.0: needs a key "kind"'),
-    "motor unknown": (
-        table("motor", "fricton = 1"),
-        'motor.0.fricton: unknown key; did you mean "friction"?',
-    ),
     # values that depend on others
-    "flag": (
-        table("servo", 'flags = ["coulomb"]'),
-        'servo.0.flags.0 = "coulomb": must be one of "coulcomp", "adfb", "zerofb", "addmd", '
-        '"adoff", "poschk", "softerr"; did you mean "coulcomp"?',
-    ),
     "slow servo": (
         "interval_us = 500" + table("servo", "clkdivisor = 101"),
         "axis 0: clkdivisor = 101: must be at most 100 at this interval_us: "
         "servo at least every 50 ms",
     ),
-    "plo above phi": (table("servo", "plo = 5\nphi = -5"), "axis 0: plo = 5: must be <= phi (-5)"),
-    "too far": (table("motion", "to = 1e12"), "motion.0.to: leaves the 32-bit range of setpoints"),
     "no such table": (
         TABLE.replace("t.csv", "no.csv"),
         'motion.0.file = "no.csv": cannot be read: No such file or directory',
@@ -135,34 +149,8 @@ CASES = {
         + '[[motion]]\naxis = 0\nkind = "step"\nat = 0.1\nto = 0\n',
         "motion: axis 0: the step at 0.1 s begins before the ramp at 0.05 s ends (0.25 s)",
     ),
-    "event card": (
-        table("event", 'input = "card_absent"\nindex = 1'),
-        "event.0.index = 1: must be 0",
-    ),
-    "event value": (
-        table("event", 'input = "dip_xor"\nvalue = 16'),
-        "event.0.value = 16.0: must be 0 to 15 (bits of the DIP switch that are set wrong)",
-    ),
-    "count": (
-        table("expect", 'kind = "stats"\nmissed = -1'),
-        "expect.0.missed = -1: must be a whole number from 0, or a pair [low, high]",
-    ),
-    "axis key": (table("expect", 'kind = "axis"\nrise = 3'), "expect.0.rise: unknown key; did "),
-    "expects nothing": (
-        table("expect", ""),
-        "expect.0: expects nothing; add one of: rise_ms, overshoot_pct, settle_ms, "
-        "steady_error_counts, final_counts, peak_error_counts",
-    ),
     "cards too few": (top('robot = "puma560"'), "cards = 1: 6 axes need at least 3 cards"),
     "pose": (top("pose_deg = [1e300]"), "pose_deg.0 = 1e+300: must be at most 36000"),
-    "no such axis to watch": (
-        table("expect", 'kind = "event"\nevent = "error"\naxis = 5\nseen = false'),
-        'expect.0.axis = 5: robot "lab500" has axes 0 to 0',
-    ),
-    "window after the end": (
-        table("expect", 'kind = "event"\nevent = "panic"\nafter = 0.3\nseen = false'),
-        "expect.0.after = 0.3: must be before the end of the run (0.3 s)",
-    ),
     "process too late": (
         HEAD + '[[process]]\nkind = "pd"\naxis = 0\nat = 2.0\nto = 5\np = 1.0\n',
         "process.0.at = 2.0: must be before the end of the run (0.3 s)",
@@ -186,6 +174,8 @@ CASES = {
         'motion.0.file = "t\\x00.csv": cannot be read: no file has such a name',
     ),
 }
+for _name, _lines in TOLD_WHOLE.items():
+    CASES |= {f"{_name} {told}": (table(_name, line), told) for line, told in _lines.items()}
 for _name, _lines in LINES.items():
     for _line, _why in _lines.items():
         _told = f"{_name}.0.{_line}: {_why}" if _name else f"{_line}: {_why}"
@@ -472,17 +462,6 @@ def test_result_that_is_a_folder_is_told_before_the_run(mmcs, tmp_path, name, co
     (tmp_path / name).mkdir()
     answer = mmcs(*command.replace("{}", str(tmp_path)).split())
     one_clear_line(answer, start=f"{tmp_path}/{name}: is a folder, and the name of a result\n")
-
-
-@pytest.mark.parametrize(("report", "log", "expected"), [
-    ("[]", "t_s\n1\n", "is not a run: its report.json is not one of MMCS"),
-    ('{"scenario": "x", "axes": [], "hash": "0x1"}', "", "is not a run: it has an empty log"),
-])  # fmt: skip
-def test_folder_that_is_not_a_run(mmcs, tmp_path, report, log, expected):
-    (tmp_path / "report.json").write_text(report)
-    (tmp_path / "log.csv").write_text(log)
-    for args in (["compare", tmp_path, tmp_path], ["export", "film", tmp_path]):
-        one_clear_line(mmcs(*args), start=f"{tmp_path}: {expected}\n")
 
 
 def test_help_cuts_no_text_and_has_an_example_of_each_command(mmcs):

@@ -4,7 +4,6 @@
 import ctypes
 import errno
 import math
-import re
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from mmcs.tests.device_bench import (
     FLAGS,
     ROBOT,
     compile_example,
-    compile_program,
     output_in_lockstep,
 )
 from tools.compiled import compiled, written
@@ -49,32 +47,6 @@ int at(double time, double (*seen)[ROBOT_AXES]) {
     seen[2][i] = p.acceleration[i];
   }
   return goes_on;
-}
-"""
-
-FOLLOW = """
-#include <motion.h>
-#include <stdio.h>
-#include "robot.h"
-static struct motion m;
-int main(void) {
-  const double to[] = {20.0, -20.0};
-  struct motion_point asked;
-  struct mc_state state[ROBOT_AXES];
-  double most = 0;
-  int goes_on;
-  if (motion_open(&m, robot, ROBOT_AXES, ROBOT_INTERVAL_US) < 0 || motion_enable(&m) < 0) return 1;
-  asked = m.rest;
-  if (motion_quintic(&m, to, 0.5) < 0) return 1;
-  do {
-    goes_on = motion_step(&m);
-    if (read(m.fd, state, sizeof state) < 0) return 1;
-    for (int i = 0; i < m.axes; i++)
-      most = fmax(most, fabs(asked.position[i] * robot[i].counts - state[i].encnow));
-    motion_at(&m, motion_time(&m), &asked);
-  } while (goes_on > 0);
-  printf("%g\\n", most);
-  return goes_on || motion_close(&m) < 0;
 }
 """
 
@@ -164,18 +136,6 @@ def test_home_on_the_machine(tmp_path):
         assert "0 rad is count" in line and int(line.split()[-1]) == math.floor(
             -math.radians(degrees) * counts + 0.5
         )
-
-
-def test_feedforward_follows_closer(tmp_path):
-    """The same motion with and without: farthest off, counts. What is left is friction."""
-    table, off = header(str(ROBOT), 1000), []
-    for joints in (table, re.sub(r"\.(inertia|friction) = [^,]*", r".\1 = 0.0", table)):
-        folder = written("robot.h", joints).parent
-        program = compile_program(written("follow.c", FOLLOW), *FLAGS, f"-I{folder}")
-        said, status, _ = output_in_lockstep(tmp_path, program)
-        assert status == 0, said
-        off.append(float(said))
-    assert off[0] < 10 and off[1] > 50
 
 
 def test_the_header_is_of_the_scenario_s_robot():

@@ -6,7 +6,6 @@ import json
 import math
 import os
 import re
-import sys
 
 import numpy as np
 import pytest
@@ -17,7 +16,6 @@ from mmcs.tests.conftest import good, one_clear_line
 from mmcs.view import chart
 from mmcs.view.film import arm_points
 from mmcs.view.runs import Run
-from tools.compiled import ran
 
 
 @pytest.fixture
@@ -38,12 +36,6 @@ def folder(tmp_path):
         return path
 
     return write
-
-
-def test_a_notebooks_backend_does_not_matter():
-    env = {**os.environ, "MPLBACKEND": "nonsense"}
-    done = ran(sys.executable, "-c", "from mmcs.view.film import style; style()", env=env)
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_compare_two_runs(mmcs, folder):

@@ -109,15 +109,6 @@ def test_the_environment_finds_the_checkout_beside_it():
         assert str(ROOT) not in (Path(sys.prefix) / "bin" / command).read_text()
 
 
-def test_a_copied_checkout_runs_its_own_code(tmp_path):
-    for name in ("mmcs/__init__.py", "mmcs/place.py", "mmcs/errors.py", "sim/Makefile"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text((ROOT / name).read_text())
-    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import mmcs; print(mmcs.BUILD)"
-    said = ran(sys.executable, "-P", "-c", code, check=True, cwd="/").stdout
-    assert said.strip() == str(tmp_path / "build")
-
-
 def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     runpy.run_path(str(ROOT / "setup.py"))["copy_sources"](tmp_path)
     held = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}

@@ -148,22 +148,6 @@ def test_run_tells_the_status_of_a_program_and_show_its_command(folder):
     assert "step.py 200" in shown and " a0 " not in shown, shown
 
 
-def test_a_program_under_the_fault_of_another_scenario(folder):
-    (folder / "fault.toml").write_text(f"""
-extends = "fault_estop"
-robot = "lab500"
-cards = 1
-dynamics = "independent"
-motion = []
-expect = []
-[[program]]
-run = "{sys.executable} step.py 200"
-""")
-    assert load("fault_estop").scenario.event
-    said = "".join(call("run", folder / "fault.toml", "--out", folder / "out")[1:])
-    assert "estop[0] = 1" in said and "step.py 200: status 1" in said, said
-
-
 def test_exec_refuses_to_set_what_the_program_sets(folder):
     words = ["exec", "--scenario", folder / "device.toml", "--set", "axis.0.b0=3", "--", "true"]
     one_clear_line(call(*words), "axis.0.b0=3", "is the program's own job")

@@ -4,7 +4,6 @@
 import pytest
 
 from mmcs.engine import hosts
-from mmcs.engine.build import library_path
 from mmcs.errors import RunError
 from mmcs.runs.machine import build_of, machine
 from mmcs.runs.session import Session
@@ -68,11 +67,6 @@ def test_host_that_dies_is_panic_after_the_heartbeat(heartbeat_us):
         assert told["kind"] == "panic" and sim.stats()["bus_cycles"] == cycles
         assert heartbeat_us - 2000 < 1e6 * (told["t"] - died) < heartbeat_us + 500
         assert all(sim.true(axis)["current"] == pytest.approx(0, abs=1e-6) for axis in range(6))
-
-
-def test_each_heartbeat_is_a_build_of_its_own():
-    paths = {library_path(3, "speed", heartbeat_us=us) for us in (10_000, 20_000, 50_000)}
-    assert len(paths) == 3 and library_path(3, "speed") in paths
 
 
 def test_an_interval_beyond_the_heartbeat_is_cautioned(mmcs):

@@ -5,7 +5,6 @@ import csv
 import json
 import multiprocessing
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -290,48 +289,6 @@ def test_same_table_from_dask_with_a_worker_killed(mmcs, undisturbed, tmp_path, 
         good(mmcs("sweep", path, *GAINS, "--dask", address, "--out", tmp_path / "out"))
     assert killed
     assert rows_of(tmp_path / "out") == rows_of(folder)
-
-
-@pytest.mark.slow  # a scheduler and a worker start
-def test_killed_scheduler_is_one_line(undisturbed, tmp_path):
-    """What is done is kept; Dask's own tracebacks, the client's and its loop's, are not shown."""
-    pytest.importorskip("distributed")
-    place, out = tmp_path / "scheduler.json", tmp_path / "out"
-    rows = out / "rows.jsonl"
-    started = []
-
-    def start(*command):
-        with (tmp_path / f"{len(started)}.log").open("w") as log:
-            started.append(
-                subprocess.Popen([sys.executable, "-m", *map(str, command)], cwd=ROOT,
-                                 stdout=log, stderr=log)
-            )  # fmt: skip
-        return started[-1]
-
-    def wait(done):
-        while not done():
-            assert all(process.poll() is None for process in started), "one ended by itself"
-            time.sleep(0.05)
-
-    try:
-        scheduler = start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", 0,
-                          "--no-dashboard", "--scheduler-file", place)  # fmt: skip
-        wait(lambda: place.exists() and place.read_text().endswith("\n}"))  # whole
-        start("distributed.cli.dask_worker", "--scheduler-file", place, "--nthreads", 1,
-              "--no-dashboard", "--no-nanny")  # fmt: skip
-        address = json.loads(place.read_text())["address"]
-        sweep = start("mmcs", "sweep", undisturbed[0], "--random", "seed=1..1000", "--samples",
-                      100_000, "--dask", address, "--out", out)  # fmt: skip
-        wait(lambda: rows.exists() and rows.read_text().count("\n") >= 3)
-        scheduler.kill()
-        assert sweep.wait() == 1
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
-    lines = (tmp_path / "2.log").read_text().splitlines()
-    told = [line for line in lines if not re.fullmatch(r"mmcs: \d+ of \d+ runs", line)]
-    assert told == ["mmcs: the Dask scheduler is gone; go on later with --resume"]
 
 
 @pytest.mark.parametrize("gone", [OSError("reset"), CancelledError(), "cancelled", "lost"])

@@ -18,7 +18,6 @@ from mmcs.errors import InputError
 from mmcs.folder import RESULTS, writing
 from mmcs.runs.record import read_record
 from mmcs.tests.conftest import GOOD, one_clear_line
-from tools.compiled import ran
 
 
 def results(folder, generation, names=RESULTS):
@@ -67,27 +66,6 @@ def test_killed_at_every_step(tmp_path, names):
     assert {p.name for p in tmp_path.iterdir()} == {*names, ".lock"}
 
 
-def test_a_run_that_fails_leaves_what_was_there(tmp_path):
-    results(tmp_path, "old")
-    with pytest.raises(ZeroDivisionError), writing(tmp_path) as stage:
-        (stage / "report.json").write_text("new")
-        raise ZeroDivisionError
-    assert generations(tmp_path) == ({"old"}, len(RESULTS))
-
-
-def test_a_run_stopped_with_its_folder_just_made_leaves_none(tmp_path, monkeypatch):
-    make = Path.mkdir
-
-    def stopped(path, *args, **more):
-        make(path, *args, **more)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "mkdir", stopped)
-    with pytest.raises(KeyboardInterrupt), writing(tmp_path):
-        pass
-    assert not (tmp_path / ".new").exists()
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_run_that_is_stopped_leaves_what_was_there(tmp_path, number):
     results(tmp_path, "old")
@@ -101,15 +79,6 @@ def test_a_run_that_is_stopped_leaves_what_was_there(tmp_path, number):
         told = process.communicate()[1].strip()
     assert (process.returncode, told) == (128 + number, "mmcs: stopped")
     assert generations(tmp_path) == ({"old"}, len(RESULTS)) and not (tmp_path / ".new").exists()
-
-
-def test_a_stop_within_an_exec_of_a_text_has_its_own_status(tmp_path):
-    """As in the import of a module with dataclasses: Python itself would end by SIGINT."""
-    text = "from mmcs.cli.app import main; from mmcs.scenario import files\n"
-    text += "files.named = lambda: exec('raise KeyboardInterrupt(15)'); main(['list'])"
-    (tmp_path / "stopped.py").write_text(text)
-    done = ran(sys.executable, "-m", "stopped", cwd=tmp_path)
-    assert (done.returncode, done.stderr.strip()) == (143, "mmcs: stopped")
 
 
 def test_results_are_on_the_disk_before_their_names(tmp_path, monkeypatch):
