@@ -28,7 +28,7 @@ LONG = os.environ.get("MMCS_LONG") == "1"
 def test_bounce_of_1989(bench):
     """Old-style main, absolute include, signal, sigpause(), ioctl with two arguments."""
     events = 440 if LONG else 24  # LONG: 60 s of the machine
-    child = bench.start(compile_1989(EXAMPLES / "bounce.c"), f"-n{events}")
+    child = bench.start(compile_1989(EXAMPLES / "bounce.c"), "-t1", f"-n{events}")
     out, status = bench.finish(child)
     found = re.search(r"(\d+) limit events, (\d+) interrupts, 0 missed", out)
     assert status == 0 and found, out

@@ -153,12 +153,12 @@ TEST(brake_holds_releases_and_engages_late) {
   mmcs_motor m = ideal();
   m.brake_torque = 1.0;
   m.brake_delay = 0.030;
-  m.brake_release_delay = 0.010;
+  m.brake_release_delay = 0.01004;  // 201 steps
   m.gravity = 0.1;
   auto plant = bench::alone(m);
   run(*plant, 0.0, 1.0, false);
   CHECK(plant->angle(0) == 0.0, "a brake without power must hold");
-  run(*plant, 0.0, 0.00995, true);
+  run(*plant, 0.0, 0.01, true);
   CHECK(plant->angle(0) == 0.0, "released too early");
   run(*plant, 0.0, 0.0002, true);
   CHECK(plant->velocity(0) < 0.0, "not released");
