@@ -2,8 +2,8 @@
 """`make docs`: the docs as a searchable site in build/docs, every link checked.
 
 The chapters are those of docs/ in the order of docs/README.md. Files of the sources that a chapter
-names are pages of the book as well, and a mark like <!-- live: panic --> becomes the machine itself
-(web/live.html), which `make web` builds beside it.
+names are pages of the book as well, and a mark like <!-- live: machine --> becomes the machine
+itself at that view of its page, if `make web` has built it.
 """
 
 import argparse
@@ -136,11 +136,11 @@ def chapter(text: str, original: Path, wanted: set[Path]) -> str:
     parts = re.split(r"(^```.*?^```)", text, flags=re.M | re.S)
     parts[::2] = [LINK.sub(link, part) for part in parts[::2]]
     up = "../" * (len(original.relative_to(DOCS).parts) if original.is_relative_to(DOCS) else 1)
-    frame = f'<iframe src="{up}web/live.html?demo=\\1" title="the machine itself" loading="lazy" ' \
-            'style="width: 100%; height: 300px; border: 1px solid #ccc"></iframe>'  # fmt: skip
-    if not (BUILD / "web" / "live.html").is_file():
-        frame = ""  # only `make web` makes the machine that it would show
-    return LIVE.sub(frame, "".join(parts))
+    asked = "scenario=lab500&plays=0&deadman=10000&view="
+    frame = f'<iframe src="{up}web/index.html?{asked}\\1" title="the machine" loading="lazy" ' \
+            'style="width: 100%; height: 560px; border: 1px solid #ccc"></iframe>'  # fmt: skip
+    built = (BUILD / "web" / "index.html").is_file()
+    return LIVE.sub(frame if built else "", "".join(parts))
 
 
 def place(path: Path) -> Path:

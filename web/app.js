@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // mctool in the browser, §3: puts the parts together, whatever carries the messages.
-//
-// Of the address: control=1 (take control at the start), t=MS (set the interval), z=1 (zero the
-// encoders), u=1 (do not update counts, A/D, current), theme=1989, deadman=MS (how long the page may
-// be silent while it controls: 250).
+// Of the address: control, t, z, u, deadman, theme (docs/use/tool.md, -t to --theme); view.
 
 import { Arm } from "./arm.js";
 import { Axis } from "./axis.js";
@@ -43,24 +40,23 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     machine.stopPath = data.stopPath;
     machine.tell("stopPath");
   });
-  machine.addEventListener("event", () => setText(byId("said"), said(machine)));
-  machine.addEventListener("hello", async () => {
+  machine.on("event", () => setText(byId("said"), said(machine)));
+  machine.on("hello", async () => {
     // a machine that stands still sends none
     if (!machine.history.latest(0)) await machine.seen(() => true, FIRST_SAMPLE_MS);
-    Object.assign(page.about, await machine.try(machine.link.request("machine")));
+    Object.assign(page.about, await machine.ask("machine"));
     page.units.motors = page.about.motors;
     page.axes = Array.from({ length: machine.hello.axes }, (_, n) => new Axis(page, n));
     document.title = page.title;
     page.arm = new Arm(page);
     byId("arm").append(page.arm.element);
-    page.arm.about = page.about;
     const views = tabs(page);
     keys(page);
-    page.render = () => {
+    const draw = () => {
       for (const [id, view] of Object.entries(ROOMS)) render(view(page), byId(id));
       for (const view of views) {
         view.element.inert = page.past && Boolean(view.changes);
-        if (view.visible) view.update?.();
+        if (view.visible) view.update();
       }
       document.body.classList.toggle("gone", !machine.connected);
       document.body.classList.toggle("past", page.past);
@@ -68,11 +64,10 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     page.draw = () => {
       if (page.row < 0) return;
       page.arm.draw(page.row);
-      views.forEach((view) => view.visible && view.draw?.());
+      views.forEach(view => view.visible && view.draw?.());
     };
-    page.addEventListener("changed", page.render);
-    machine.addEventListener("samples",
-      () => page.axes.forEach((axis) => axis.tick(machine.history.now)));
+    page.on("changed", draw);
+    machine.on("samples", () => page.axes.forEach(axis => axis.tick(machine.history.now)));
     showState(page);
     drawPictures(page);
     // last: from here on a page that is busy for 250 ms stops the machine
@@ -89,12 +84,12 @@ function showState(page) {
   let shown = -Infinity;
   const show = () => {
     if (performance.now() - shown < STATE_MS) return;
-    page.render();
+    page.changed();
     shown = performance.now();
   };
-  page.machine.addEventListener("samples", show);
+  page.machine.on("samples", show);
   setInterval(show, STATE_MS); // also without samples
-  document.addEventListener("visibilitychange", page.render);
+  document.addEventListener("visibilitychange", () => page.changed());
   const ask = async () => {
     const told = await page.machine.link.request("snapshots").catch(() => null);
     if (told?.snapshots.length) page.oldest = told.snapshots[0].t;
@@ -109,7 +104,7 @@ function drawPictures(page) {
   const began = performance.now();
   page.draw();
   const spent = performance.now() - began;
-  requestAnimationFrame((first) =>
+  requestAnimationFrame(first =>
     requestAnimationFrame(() => {
       const drawn = Math.max(0, performance.now() - first - FRAME_MS);
       setTimeout(() => drawPictures(page), pause(spent + drawn));
@@ -119,7 +114,7 @@ function drawPictures(page) {
 
 async function begin(machine, interval_ms) {
   while (!machine.stopPath)
-    await new Promise((heard) => machine.addEventListener("stopPath", heard, { once: true }));
+    await new Promise(heard => machine.on("stopPath", heard, { once: true }));
   await machine.try(machine.takeControl());
   if (interval_ms !== null) {
     const value = Math.round(interval_ms * 1000);

@@ -11,11 +11,7 @@ const TUBE_M = 0.05;
 const FLOOR_M = -0.67; // a PUMA's shoulder stands so high above it
 const MIDDLE_M = 0.15; // what the eye looks at
 const MOST_ABOVE = 1.5;
-const HAND = [[0, 0, 0.09], [0.04, 0, 0.09], [0.04, 0, 0.15], [0.04, 0, 0.09], [-0.04, 0, 0.09], [
-  -0.04,
-  0,
-  0.15,
-]]; // m
+const HAND = [[0, 0.09], [0.04, 0.09], [0.04, 0.15], [0.04, 0.09], [-0.04, 0.09], [-0.04, 0.15]]; // x, z
 const NEAR_PX = 14; // of a link's line, where it is taken by hand
 const WITHIN = 0.85; // of half the picture: the rest is for the thickness of tubes
 const STOPS_M = 0.16; // radius of the sector from stop to stop
@@ -37,12 +33,11 @@ export function frames(links, angles) {
   links.forEach(({ alpha, a, d, theta0 }, n) => {
     const [ct, st] = [Math.cos(theta0 + angles[n]), Math.sin(theta0 + angles[n])];
     const [ca, sa] = [Math.cos(alpha), Math.sin(alpha)];
-    places.push([0, 4, 8].map((row) => at[row + 2] * d + at[row + 3]));
+    places.push([0, 4, 8].map(row => at[row + 2] * d + at[row + 3]));
     at = multiply(at, [ct, -st * ca, st * sa, a * ct, st, ct * ca, -ct * sa, a * st, 0, sa, ca, d]);
     places.push([at[3], at[7], at[11]]);
   });
-  const ofHand = ([x, y, z]) =>
-    [0, 4, 8].map((row) => at[row] * x + at[row + 1] * y + at[row + 2] * z + at[row + 3]);
+  const ofHand = ([x, z]) => [0, 4, 8].map(row => at[row] * x + at[row + 2] * z + at[row + 3]);
   return [...places, ...HAND.map(ofHand)];
 }
 
@@ -66,10 +61,13 @@ export class Arm {
   #drawn = "";
   seen = []; // {joint, from, to}: links on the screen
   #dragged = null; // {joint, x, setpoint}
+  #pen = null;
   #colours = null;
 
   constructor(page) {
     this.page = page;
+    this.motors = page.about.motors;
+    this.links = page.about.links;
     this.canvas = el("canvas", {});
     this.element = el("div", { className: "arm own-keys", tabIndex: 0, role: "img",
       "aria-label": "the arm; arrow keys turn the view" }, this.canvas);
@@ -77,12 +75,6 @@ export class Arm {
     this.#listen();
     new ResizeObserver(() => this.again()).observe(this.element);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.again());
-  }
-
-  set about({ motors = [], links = [] }) {
-    this.motors = motors;
-    this.links = links;
-    this.again();
   }
 
   again() {
@@ -104,22 +96,22 @@ export class Arm {
       if (axis) this.page.choose(joint);
       this.#dragged = axis?.param ? { joint, x: offsetX, setpoint: axis.setpoint } : null;
     });
-    this.element.addEventListener("pointermove", (event) => {
+    this.element.addEventListener("pointermove", event => {
       if (!event.buttons) return;
       if (this.#dragged) this.#drag(event.offsetX);
       else move(-event.movementX / 150, event.movementY / 150);
     });
-    this.element.addEventListener("wheel", (event) => {
+    this.element.addEventListener("wheel", event => {
       event.preventDefault();
       this.turn.away = Math.max(0.8, Math.min(6, this.turn.away * Math.exp(event.deltaY / 800)));
       this.draw();
     });
-    this.element.addEventListener("keydown", (event) => {
-      const sides = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0] };
-      const by = { ...sides, ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
-      if (!by) return;
-      event.preventDefault();
-      move(...by);
+    this.element.addEventListener("keydown", event => {
+      const by =
+        { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1],
+          ArrowDown: [0, -0.1] }[event.key];
+      if (by) event.preventDefault();
+      if (by) move(...by);
     });
   }
 
@@ -131,27 +123,23 @@ export class Arm {
         Math.min(1, ((x - from.x) * u + (y - from.y) * v) / (u * u + v * v || 1)));
       return Math.hypot(from.x + part * u - x, from.y + part * v - y);
     };
-    const near = this.seen.map((one) => ({ ...one, px: far(one) })).filter(({ px }) =>
-      px < NEAR_PX
-    );
-    return near.sort((a, b) => a.px - b.px)[0]?.joint;
+    const [near] = this.seen.map(one => ({ ...one, px: far(one) })).sort((a, b) => a.px - b.px);
+    return near?.px < NEAR_PX ? near.joint : undefined;
   }
 
   #drag(x) {
     const { page, motors } = this;
     const { joint, x: began, setpoint } = this.#dragged;
     const axis = page.axes[joint];
-    if (!page.mayChange) return;
+    if (!page.mayChange) return undefined;
     if (axis.mode !== "pos") {
-      page.machine.say("help", `axis ${joint}: a joint follows the hand in Pos`);
       this.#dragged = null;
-      return;
+      return page.machine.say("help", `axis ${joint}: a joint follows the hand in Pos`);
     }
-    const counts =
-      ((x - began) * BY_PX * motors[joint].counts_per_rev * Math.abs(motors[joint].gear))
-      / (2 * Math.PI);
-    page.drafts.take("arm", setpoint + Math.round(counts), (value) => axis.setSetpoint(value),
-      true);
+    const { counts_per_rev, gear } = motors[joint];
+    const counts = ((x - began) * BY_PX * counts_per_rev * Math.abs(gear)) / (2 * Math.PI);
+    const take = value => axis.setSetpoint(value);
+    return page.drafts.take("arm", setpoint + Math.round(counts), take, true);
   }
 
   /** The picture of a row of the history, if it differs from the one that is there. */
@@ -159,8 +147,8 @@ export class Arm {
     const { motors, canvas } = this;
     const { history } = this.page.machine;
     this.row = row;
-    if (!motors || !(row >= history.first && row < history.end)) return;
-    const counts = (field) => motors.map((_, n) => history.value(row, history.column(n, field)));
+    if (!(row >= history.first && row < history.end)) return;
+    const counts = field => motors.map((_, n) => history.value(row, history.column(n, field)));
     const [now, told] = [counts("encnow"), counts("demand")];
     const { clientWidth: width, clientHeight: height } = canvas;
     const key = [now, told, width, height, Object.values(this.turn), this.page.axis].join();
@@ -170,18 +158,37 @@ export class Arm {
     const sharp = Math.min(2, devicePixelRatio);
     if (canvas.width !== width * sharp) canvas.width = width * sharp;
     if (canvas.height !== height * sharp) canvas.height = height * sharp;
-    const pen = canvas.getContext("2d", { willReadFrequently: true });
-    pen.setTransform(sharp, 0, 0, sharp, 0, 0);
-    pen.clearRect(0, 0, width, height);
-    pen.lineCap = pen.lineJoin = "round";
-    const angles = (values) => motors.map((m, n) => jointAngle(m, values[n]));
-    if (this.links.length) this.#arm(pen, width, height, angles(now), angles(told));
-    else this.#dials(pen, width, height, angles(now), angles(told));
+    this.#pen = canvas.getContext("2d", { willReadFrequently: true });
+    this.#pen.setTransform(sharp, 0, 0, sharp, 0, 0);
+    this.#pen.clearRect(0, 0, width, height);
+    this.#pen.lineCap = this.#pen.lineJoin = "round";
+    const angles = values => motors.map((m, n) => jointAngle(m, values[n]));
+    if (this.links.length) this.#arm(width, height, angles(now), angles(told));
+    else this.#dials(width, height, angles(now), angles(told));
   }
 
   #colour(name) {
     this.#colours ??= getComputedStyle(this.element);
     return this.#colours.getPropertyValue(name);
+  }
+
+  /** A line through places of the picture, px. */
+  #line(points, name, thick, dash = []) {
+    const pen = this.#pen;
+    pen.strokeStyle = this.#colour(name);
+    pen.lineWidth = thick;
+    pen.setLineDash(dash);
+    pen.beginPath();
+    points.forEach(([x, y]) => pen.lineTo(x, y));
+    pen.stroke();
+  }
+
+  #disc(x, y, r, name) {
+    const pen = this.#pen;
+    pen.fillStyle = this.#colour(name);
+    pen.beginPath();
+    pen.arc(x, y, r, 0, 2 * Math.PI);
+    pen.fill();
   }
 
   /** How a place, m, is seen; `places` are never cut off. */
@@ -203,22 +210,15 @@ export class Arm {
     return see;
   }
 
-  #arm(pen, width, height, angles, told) {
-    const [places, wanted] = [angles, told].map((all) => frames(this.links, all));
+  #arm(width, height, angles, told) {
+    const [places, wanted] = [angles, told].map(all => frames(this.links, all));
     const see = this.#eye(width, height, [...places, ...wanted]);
-    const line = (points, colour, thick, dash = []) => {
-      pen.strokeStyle = colour;
-      pen.lineWidth = thick;
-      pen.setLineDash(dash);
-      pen.beginPath();
-      points.map(see).forEach(({ x, y }) => pen.lineTo(x, y));
-      pen.stroke();
-    };
+    const line = (points, ...how) => this.#line(points.map(see).map(({ x, y }) => [x, y]), ...how);
     for (let at = -1; at <= 1; at += 0.25) {
-      line([[at, -1, FLOOR_M], [at, 1, FLOOR_M]], this.#colour("--line"), 1);
-      line([[-1, at, FLOOR_M], [1, at, FLOOR_M]], this.#colour("--line"), 1);
+      line([[at, -1, FLOOR_M], [at, 1, FLOOR_M]], "--line", 1);
+      line([[-1, at, FLOOR_M], [1, at, FLOOR_M]], "--line", 1);
     }
-    line(places.map(([x, y]) => [x, y, FLOOR_M]), this.#colour("--shade"), 9); // its shadow
+    line(places.map(([x, y]) => [x, y, FLOOR_M]), "--shade", 9); // its shadow
     const tubes = [{ joint: -1, from: [0, 0, FLOOR_M], to: [0, 0, 0], r: TUBE_M * 1.5 }];
     for (let n = 1; n < places.length; n++) {
       const [from, to] = [places[n - 1], places[n]];
@@ -231,62 +231,36 @@ export class Arm {
     const depth = ({ from, to }) => see(from.map((v, k) => (v + to[k]) / 2)).depth;
     for (const { joint, from, to, r } of tubes.sort((a, b) => depth(b) - depth(a))) {
       const thick = 2 * r * see(from).scale;
-      line([from, to], this.#colour("--arm-edge"), thick + 2);
-      line([from, to], this.#colour(joint === this.page.axis ? "--told" : "--arm"), thick);
-      line([from, to], this.#colour("--arm-light"), thick * 0.3);
-      this.#joint(pen, see(to), r * 0.9);
+      line([from, to], "--arm-edge", thick + 2);
+      line([from, to], joint === this.page.axis ? "--told" : "--arm", thick);
+      line([from, to], "--arm-light", thick * 0.3);
+      const { x, y, scale } = see(to);
+      this.#disc(x, y, r * 0.9 * scale, "--arm-edge");
     }
-    line(wanted, this.#colour("--told"), 2, [5, 4]);
+    line(wanted, "--told", 2, [5, 4]);
     const { axis } = this.page;
     const [centre, ...arc] = this.links[axis] ? sector(this.links, angles, axis, this.motors[axis])
       : [];
     if (!centre) return;
-    line([centre, ...arc.slice(0, -1), centre], this.#colour("--ink"), 1);
-    line([centre, arc.at(-1)], this.#colour("--ink"), 2);
+    line([centre, ...arc.slice(0, -1), centre], "--ink", 1);
+    line([centre, arc.at(-1)], "--ink", 2);
   }
 
-  #joint(pen, { x, y, scale }, r) {
-    pen.fillStyle = this.#colour("--arm-edge");
-    pen.beginPath();
-    pen.arc(x, y, r * scale, 0, 2 * Math.PI);
-    pen.fill();
-  }
-
-  #dials(pen, width, height, angles, told) {
+  #dials(width, height, angles, told) {
     const room = width / angles.length;
     const r = Math.min(room, height) * 0.38;
     angles.forEach((angle, n) => {
       const [x, y] = [room * (n + 0.5), height / 2];
-      const hand = (turn, colour, thick, dash) => {
-        pen.strokeStyle = colour;
-        pen.lineWidth = thick;
-        pen.setLineDash(dash);
-        pen.beginPath();
-        pen.moveTo(x, y);
-        pen.lineTo(x + r * 0.92 * Math.sin(turn), y - r * 0.92 * Math.cos(turn));
-        pen.stroke();
-      };
-      pen.setLineDash([]);
-      pen.strokeStyle = this.#colour("--arm-edge");
-      pen.fillStyle = this.#colour("--sheet");
-      pen.lineWidth = 3;
-      pen.beginPath();
-      pen.arc(x, y, r, 0, 2 * Math.PI);
-      pen.fill();
-      pen.stroke();
-      for (let k = 0; k < 36; k++) {
-        const [s, c, long] = [Math.sin((k * Math.PI) / 18), Math.cos((k * Math.PI) / 18),
-          k % 9 ? 0.06 : 0.14];
-        pen.lineWidth = 1;
-        pen.beginPath();
-        pen.moveTo(x + r * s, y - r * c);
-        pen.lineTo(x + r * (1 - long) * s, y - r * (1 - long) * c);
-        pen.stroke();
-      }
-      hand(told[n], this.#colour("--told"), 2, [5, 4]);
-      hand(angle, this.#colour(n === this.page.axis ? "--c2" : "--arm"), 7, []);
-      pen.fillStyle = this.#colour("--ink");
-      pen.fillText(`motor ${n}`, x - 20, y + r + 14);
+      const at = (turn, far) => [x + far * r * Math.sin(turn), y - far * r * Math.cos(turn)];
+      const hand = (turn, from, to, ...how) => this.#line([at(turn, from), at(turn, to)], ...how);
+      this.#disc(x, y, r + 2, "--arm-edge");
+      this.#disc(x, y, r - 1, "--sheet");
+      for (let k = 0; k < 36; k++)
+        hand((k * Math.PI) / 18, k % 9 ? 0.94 : 0.86, 1, "--arm-edge", 1);
+      hand(told[n], 0, 0.92, "--told", 2, [5, 4]);
+      hand(angle, 0, 0.92, n === this.page.axis ? "--c2" : "--arm", 7);
+      this.#pen.fillStyle = this.#colour("--ink");
+      this.#pen.fillText(`motor ${n}`, x - 20, y + r + 14);
     });
   }
 }

@@ -6,7 +6,6 @@ import { parseInteger, parseNumber } from "./dom.js";
 import { FLAGS, gainsOf, INT_MAX, INT_MIN, isBounded, MODE_MASK, modeName, MODES,
   setpointScale } from "./params.js";
 
-const POWER_ENDS = ["stopped", "panic"]; // what the page makes ends too
 const SQUARE_MS = 1000; // half a period, in the machine's time
 const GP1 = 8; // the axis's light among its card's
 
@@ -23,11 +22,9 @@ export class Axis {
       this.#square = null;
       this.wantsDiag = false;
     };
-    this.machine.addEventListener("event", ({ detail: { kind, value } }) => {
-      if (kind === "rewind" || (kind === "enabled" ? !value : value && POWER_ENDS.includes(kind)))
-        rest();
-    });
-    this.machine.addEventListener("control", rest);
+    this.machine.on("wire:rewind control", rest);
+    this.machine.on("wire:stopped wire:panic", ({ value }) => value && rest()); // it ends, too
+    this.machine.on("wire:enabled", ({ value }) => value || rest());
   }
 
   get param() {
@@ -155,28 +152,28 @@ export class Axis {
 
   /** A setpoint as it is typed, in the units shown. */
   typeSetpoint(text) {
-    const { scale, param } = this;
+    const { scale } = this;
     const typed = parseNumber(String(text));
     const value = typed === null || !scale ? NaN : typed / scale.by;
     const whole = this.page.units.physical ? Math.round(value) : value;
     if (!Number.isInteger(whole) || whole < INT_MIN || whole > INT_MAX)
       throw new Error(`"${text}" is no setpoint`);
-    const top = Math.abs(whole);
-    const { ilim, plo, phi } = param;
-    if (this.mode === "torq" && top > ilim) {
-      throw new Error(
-        `${top} D/A units are more than ilim, ${ilim}: raise it in "Every parameter"`,
-      );
-    }
-    if (this.mode === "pos" && isBounded(param) && (whole < plo || whole > phi))
-      throw new Error(`${whole} counts are beyond the limits plo and phi, ${plo} to ${phi}`);
     return this.setSetpoint(whole);
   }
 
-  setSetpoint(value) {
-    if (!this.#square) return this.#put(value);
-    this.#square.amplitude = value;
-    return undefined;
+  /** In the driver's units; rejects what is beyond the axis's limits. */
+  async setSetpoint(value) {
+    const { mode, param } = this;
+    const { ilim, plo, phi } = param;
+    if (mode === "torq" && Math.abs(value) > ilim) {
+      throw new Error(
+        `${Math.abs(value)} D/A units are more than ilim, ${ilim}, see "Every parameter"`,
+      );
+    }
+    if (mode === "pos" && isBounded(param) && (value < plo || value > phi))
+      throw new Error(`${value} counts are beyond the limits plo and phi, ${plo} to ${phi}`);
+    if (this.#square) this.#square.amplitude = value;
+    else await this.#put(value);
   }
 
   #put(value) {
@@ -189,7 +186,7 @@ export class Axis {
     const { scale, machine, page } = this;
     if (!scale || !page.mayChange) return;
     const step = Math.max(1, Math.round((scale.high - scale.low) / 100));
-    await machine.try(Promise.resolve(this.setSetpoint(this.setpoint + hundredths * step)));
+    await machine.try(this.setSetpoint(this.setpoint + hundredths * step));
     page.changed();
   }
 

@@ -3,7 +3,7 @@
 
 /** An element of the page, of whatever kind.
  * @returns {any} */
-export const byId = (id) => document.getElementById(id);
+export const byId = id => document.getElementById(id);
 
 /** An element: el("button", {title: "…", onclick: f}, "text", child). */
 export function el(tag, attributes = {}, ...children) {
@@ -18,20 +18,15 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** A button; id: "" for none; more: further attributes. */
-export function button(id, textContent, onclick, more = {}) {
-  return el("button", { type: "button", ...(id && { id }), textContent, onclick, ...more });
-}
-
-/** A select with [value, text] options. */
-export function choice(options, attributes = {}) {
-  return el("select", attributes,
-    ...options.map(([value, text]) => el("option", { value, textContent: text })));
-}
-
-/** A control with its name before it. */
-export function labelled(text, control, unit = "") {
-  return el("label", {}, el("span", { textContent: text }), control, unit && el("i", {}, unit));
+/** What tells of changes: tell("type", detail) is heard by on("type another", hear). */
+export class Source extends EventTarget {
+  tell(type, detail = null) {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
+  }
+  on(types, hear, options = {}) {
+    for (const type of types.split(" "))
+      this.addEventListener(type, (/** @type {any} */ event) => hear(event.detail), options);
+  }
 }
 
 /**
@@ -75,7 +70,7 @@ const CLICK_PX = 4;
  * does not move is a click, tap(x, y). All in pixels of the element. takes(event): whether one counts. */
 export function gestures(element, { takes, pan, zoom, tap = (_x, _y) => {} }) {
   const pointers = new Map();
-  const act = (event) => {
+  const act = event => {
     const { type, pointerId: id, clientX, clientY } = event;
     const { left, top } = element.getBoundingClientRect();
     const x = clientX - left;

@@ -9,14 +9,15 @@ const LIGHTS = ["encA1", "encB1", "encI1", "encA2", "encB2", "encI2", "beat1", "
   "gp2", "power"];
 const FRESH_MS = 300; // since samples came
 
+const light = (name, on, kind = "") =>
+  h("span", { class: `light ${on ? `lit ${kind}` : ""}` }, name);
+
 export function front({ machine, row }) {
   const { history, hello } = machine;
   if (row < 0) return h("div", { class: "front" }, "No sample yet.");
   const lines = history.value(row, history.linesColumn);
-  const light = (name, on, kind = "") =>
-    h("span", { class: `light ${on ? `lit ${kind}` : ""}` }, name);
   const plate = (name, ...lights) => h("div", { class: "row card" }, h("b", {}, name), ...lights);
-  const card = (n) => {
+  const card = n => {
     const bits = history.value(row, history.lightsColumn(n));
     return plate(`card ${n}`, ...LIGHTS.map((name, k) => light(name, (bits >> k) & 1)));
   };

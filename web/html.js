@@ -6,6 +6,7 @@ import { h, render } from "./lib/preact/preact.module.js";
 
 export { h, render };
 
+/** id: "" for none; more: further attributes. */
 export const button = (id, text, onClick, more = {}) =>
   h("button", { type: "button", id: id || null, onClick, ...more }, text);
 
@@ -15,6 +16,31 @@ export const row = (...children) => h("div", { class: "row" }, ...children);
 export const labelled = (text, control, unit = "") =>
   h("label", {}, h("span", {}, text), control, unit && h("i", {}, unit));
 
+/** A text that a person types, and the page reads when it needs it. */
+export const textBox = (id, more = {}) => h("input", { type: "text", size: 6, id, ...more });
+
+export const tick = (checked, onChange, more = {}) =>
+  h("input", { type: "checkbox", checked, onChange, ...more });
+
+/** What the event of an input or a choice has now: on(f) of f(value). */
+export const typed = put => (/** @type {any} */ { target }) => put(target.value);
+
+export const searchBox = (id, value, put, more = {}) =>
+  h("input", { type: "search", id, value, onInput: typed(put), ...more });
+
+/** A list of [value, text], where no machine drives: Escape closes it. */
+export const list = (options, /** @type {any} */ { chosen = "", ...more } = {}) =>
+  h("select", more, options.map(([value, text]) =>
+    h("option", { value, selected: value === chosen }, text)
+  ));
+
+/** A number that changes all the time, which screen readers leave alone. */
+export const output = (text, more = {}) => h("output", { "aria-live": "off", ...more }, text);
+
+/** Rows of a table. */
+export const cells = (rows, tag = "td") =>
+  rows.map(line => h("tr", {}, line.map(cell => h(tag, {}, cell))));
+
 /** A text, number, range or checkbox of an id that shows `value`; take(value) promises that the
  * driver has it. */
 export function field(page, { id, name = null, type = "text", value, take, ...more }) {
@@ -22,13 +48,20 @@ export function field(page, { id, name = null, type = "text", value, take, ...mo
   const [isRange, isBox] = [type === "range", type === "checkbox"];
   const taken = ({ target }) =>
     drafts.take(id, isBox ? target.checked : target.value, take, isRange);
-  const typed = ({ target }) => drafts.type(id, target.value);
   const shown = drafts.value(id, value);
   return h("input", { id, type, class: drafts.has(id) ? "draft" : "", "aria-label": name,
     disabled: !page.mayChange, ...(isBox ? { checked: shown } : { value: String(shown) }),
-    onInput: isBox ? null : isRange ? taken : typed, onChange: isRange ? null : taken,
-    onBlur: () => drafts.leave(id), onKeyDown: ({ key }) => key === "Escape" && drafts.drop(id),
-    ...more });
+    onInput: isBox ? null : isRange ? taken : ({ target }) => drafts.type(id, target.value),
+    onChange: isRange ? null : taken, onBlur: () => drafts.leave(id),
+    onKeyDown: ({ key }) => key === "Escape" && drafts.drop(id), ...more });
+}
+
+/** The focus goes by an arrow from one button of a group to the next. */
+export function walk({ key, currentTarget, target }) {
+  const step = { ArrowLeft: -1, ArrowRight: 1 }[key];
+  const all = [...currentTarget.children];
+  const at = all.indexOf(target);
+  if (step && at >= 0) all[(at + step + all.length) % all.length].focus();
 }
 
 /** One of a few that are all in sight: Escape would close an open list, and the machine drive on.
@@ -38,11 +71,6 @@ export function choice(page,
 {
   const { drafts } = page;
   const shown = String(drafts.value(id, value));
-  const walk = ({ key, currentTarget: group, target }) => {
-    const step = { ArrowLeft: -1, ArrowRight: 1 }[key];
-    const all = [...group.children];
-    if (step) all[(all.indexOf(target) + step + all.length) % all.length].focus();
-  };
   const one = ([own, text]) =>
     h("button", { type: "button", role: "radio", value: own, disabled,
       "aria-checked": String(String(own) === shown), tabIndex: String(own) === shown ? 0 : -1,

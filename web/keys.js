@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Everything by keyboard. Space and Escape stop; the stop frame has them by itself too.
-//
-//   Escape stop, from anywhere · space stop, but where it types or chooses (a text field, check box,
-//   radio, select); on a button it stops too, Enter presses · 0-9 axis (shift: +10) · arrows nudge ·
-//   e, then Enter: enable · c: take control · ? help
 
 import { byId } from "./dom.js";
 
@@ -25,7 +21,7 @@ export function keys(page) {
     machine.link.request("stop").catch(() => {}); // a second way: whichever is first
   };
 
-  document.addEventListener("keydown", (event) => {
+  document.addEventListener("keydown", event => {
     const at = /** @type {Element} */ (event.target);
     const spaceStops = event.code === "Space" && !at.matches?.(OWN_SPACE);
     if (spaceStops || event.key === "Escape") {
@@ -33,34 +29,31 @@ export function keys(page) {
         event.preventDefault();
         event.stopPropagation();
       }
-      if (!event.repeat) stop();
-      return;
+      return event.repeat || stop();
     }
     const typing = at.matches?.(TEXTS);
     const own = at.closest?.(".own-keys"); // it has keys of its own
-    if (typing || own || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (typing || own || event.ctrlKey || event.metaKey || event.altKey) return undefined;
     const digit = /^Digit(\d)$/.exec(event.code);
     if (digit) {
       page.choose(Number(digit[1]) + (event.shiftKey ? 10 : 0));
-      byId(`axis${page.axis}-panel`)?.focus();
-    } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
-      if (at.matches?.("input, select, [role=tab], [role=radio]")) return;
-      event.preventDefault();
-      page.axes[page.axis]?.nudge((event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1));
-    } else if (event.key === "e") {
-      armed = performance.now();
-      machine.say("help", "enable: press Enter");
-    } else if (event.key === "Enter" && performance.now() - armed < DECIDE_MS) {
-      armed = -Infinity;
-      event.preventDefault();
-      if (machine.controls) page.enable();
-    } else if (event.key === "c") {
-      if (!machine.controls) page.toControl();
-      else machine.say("help", "this page has control; the button above gives it back");
-    } else if (event.key === "?") { machine.say("help", HELP); }
+      return byId(`axis${page.axis}-panel`)?.focus();
+    }
+    const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (side && at.matches?.("input, select, [role=tab], [role=radio]")) return undefined;
+    const enters = event.key === "Enter" && performance.now() - armed < DECIDE_MS;
+    armed = event.key === "e" ? performance.now() : -Infinity;
+    if (side || enters) event.preventDefault();
+    if (side) return page.axes[page.axis]?.nudge(side * (event.shiftKey ? 10 : 1));
+    if (enters && machine.controls) return page.enable();
+    if (event.key === "c" && !machine.controls) return page.toControl();
+    const help =
+      { e: "enable: press Enter", "?": HELP,
+        c: "this page has control; the button above gives it back" }[event.key];
+    return help && machine.say("help", help);
   }, true);
   // A button would be pressed by the space that has stopped the machine, when it comes up again.
-  document.addEventListener("keyup", (event) => {
+  document.addEventListener("keyup", event => {
     const at = /** @type {Element} */ (event.target);
     if (event.code === "Space" && at.matches?.("button, summary, [role=tab]"))
       event.preventDefault();

@@ -2,133 +2,131 @@
 // The lab sheets: their text, a form for the answer, and its marks. The form makes an answer.toml, which
 // labs/mmcs_labs/page.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
 
-import { button, byId, choice, download, el, labelled, setText } from "./dom.js";
+import { byId, download } from "./dom.js";
+import { button, cells, h, labelled, list, row, textBox, typed } from "./html.js";
 
 const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
 const WORDS = new Set(["true", "false", "inf", "nan"]);
 
 /** A value as people type it, as TOML has it: `zoh, matched` is a list of two names. */
-function tomlValue(typed) {
-  const text = typed.trim();
+function tomlValue(given) {
+  const text = given.trim();
   if (BARE.test(text) && !WORDS.has(text)) return JSON.stringify(text);
   if (!text.includes(",") || /^["'[{]/.test(text)) return text;
   return `[${text.split(",").map(tomlValue).join(", ")}]`;
 }
 
 /** The text of an answer.toml; fields that are left empty are not answered. */
-export function tomlAnswer(fields, typed) {
-  const given = (key) => (typed[key] ?? "").trim() && tomlValue(typed[key]);
+export function tomlAnswer(fields, texts) {
+  const given = key => (texts[key] ?? "").trim() && tomlValue(texts[key]);
   const lines = fields.map(({ key, members }) => {
     if (!members.length) return given(key) && `${key} = ${given(key)}\n`;
-    const inside = members.filter((name) => given(`${key}.${name}`));
-    const table = inside.map((name) => `${name} = ${given(`${key}.${name}`)}`).join(", ");
+    const inside = members.filter(name => given(`${key}.${name}`));
+    const table = inside.map(name => `${name} = ${given(`${key}.${name}`)}`).join(", ");
     return table && `${key} = { ${table} }\n`;
   });
   return lines.join("");
 }
 
-export function labsView(page) {
+/** The view of a page, as a function. */
+export function labs(page) {
   const { machine } = page;
   const kept = new Map(); // number of a sheet: what was typed into its form
-  const list = choice([], { id: "lab-sheet", onchange: () => open() });
-  const text = el("article", { className: "lab-text", tabIndex: 0, "aria-label": "the sheet" });
-  const form = el("div", { className: "lab-form", role: "group", "aria-label": "your answers" });
-  const said = el("p", { id: "lab-said", role: "status" });
-  const rows = el("tbody");
-  const marks = el("table", { hidden: true, id: "lab-marks" },
-    el("thead", {},
-      el("tr", {}, ...["question", "points", "why"].map((head) => el("th", {}, head)))), rows);
-  const check = button("lab-check", "Check", grade);
-  check.title = "runs the sheet's scenarios with your answers";
-  const save = button("lab-save", "Save answer.toml",
-    () => download("answer.toml", answer(), "text/plain"));
-  const commands = el("p", { id: "lab-commands" });
+  const state = { sheets: null, sheet: null, said: "", marks: null, busy: false };
   let grader = null;
-  let sheet = null;
   const ask = (op, args) => (grader ??= page.labs()).request(op, args);
-  const answer = () => tomlAnswer(sheet.fields, kept.get(sheet.number));
+  const put = values => {
+    Object.assign(state, values);
+    page.changed();
+  };
+  const answer = () => tomlAnswer(state.sheet.fields, kept.get(state.sheet.number));
 
-  function typedField(name, example, label) {
-    const typed = kept.get(sheet.number);
-    const field = el("input", { type: "text", id: `lab-${name}`, value: typed[name] ?? "",
-      "aria-label": label, placeholder: example, oninput: () => (typed[name] = field.value) });
-    return field;
+  /** Rejections are said, unless another sheet is shown by then. */
+  async function trying(promise) {
+    const { sheet } = state;
+    await promise.catch(({ message }) =>
+      sheet === state.sheet && put({ said: message, marks: null })
+    );
   }
 
-  /** The integers that the chosen axis has now: tuned here, answered there. */
-  function takeFrom({ key, members }) {
-    const param = machine.driver.params[page.axis];
-    for (const name of param ? members : []) {
-      const field = byId(`lab-${key}.${name}`);
-      field.value = String(param[name]);
-      field.dispatchEvent(new Event("input"));
-    }
-  }
-
-  function fieldRow(field) {
-    const { key, example, hint, members } = field;
-    const inner = members.length
-      ? members.map((name) => labelled(name, typedField(`${key}.${name}`, "", `${key} ${name}`)))
-      : [typedField(key, example, key)];
-    if (members.length && members.every((name) => name in (machine.driver.params[0] ?? {})))
-      inner.push(button(`lab-take-${key}`, "From the chosen axis", () => takeFrom(field)));
-    return el("div", { className: "row" }, el("b", {}, key), ...inner,
-      el("span", { className: "hint" }, hint));
-  }
-
-  async function open() {
-    const asked = Number(list.value);
-    const found = await ask("sheet", { number: asked });
+  async function open(number) {
+    const sheet = await ask("sheet", { number });
     // another one was chosen meanwhile; or this one is shown, and somebody types into it
-    if (Number(list.value) !== asked || sheet?.number === asked) return;
-    sheet = found;
-    if (!kept.has(asked)) kept.set(asked, {});
-    text.innerHTML = sheet.html; // made from Markdown without HTML
-    form.replaceChildren(...sheet.fields.map(fieldRow));
-    commands.replaceChildren("The scenarios to work with: ", el("code", {}, sheet.start),
-      " · the same check: ", el("code", {}, sheet.check));
-    marks.hidden = true;
-    setText(said, "");
+    const chosen = Number(byId("lab-sheet")?.value ?? number);
+    if (chosen !== number || state.sheet?.number === number) return;
+    if (!kept.has(number)) kept.set(number, {});
+    put({ sheet, said: "", marks: null });
+  }
+
+  async function begin() {
+    state.sheets = [];
+    const { sheets } = await ask("sheets");
+    put({ sheets });
+    await open(sheets[0].number);
   }
 
   async function grade() {
-    const graded = sheet;
-    check.disabled = true;
-    setText(said, "Your answers are run; the first time builds a machine for them.");
+    const { sheet } = state;
+    put({ busy: true, said: "Your answers are run; the first time builds a machine for them." });
     try {
-      const { marks: found, points, of } = await ask("check", { number: graded.number,
-        answer: answer() });
-      if (sheet !== graded) return;
-      setText(said, `${points} of ${of} points`);
-      const row = ({ key, points: got, of: most, why }) =>
-        el("tr", { className: got ? "good" : "bad" }, el("th", {}, key),
-          el("td", {}, `${got ? "✓" : "✗"} ${got} of ${most}`), el("td", {}, why));
-      rows.replaceChildren(...found.map(row));
-      marks.hidden = false;
-      marks.scrollIntoView({ block: "nearest" });
-    } catch ({ message }) {
-      if (sheet !== graded) return;
-      marks.hidden = true;
-      setText(said, message);
+      const { marks, points, of } = await ask("check", { number: sheet.number, answer: answer() });
+      if (sheet !== state.sheet) return;
+      put({ said: `${points} of ${of} points`, marks });
+      byId("lab-marks").scrollIntoView({ block: "nearest" });
     } finally {
-      check.disabled = false;
+      put({ busy: false });
     }
   }
 
-  async function shown() {
-    if (list.options.length) return;
-    try {
-      const { sheets } = await ask("sheets");
-      for (const { number, title } of sheets)
-        list.append(el("option", { value: number, textContent: `${number} ${title}` }));
-      await open();
-    } catch ({ message }) {
-      setText(said, message);
-    }
+  function formRow({ key, example, hint, members }) {
+    const given = kept.get(state.sheet.number);
+    const param = machine.driver.params[page.axis];
+    const box = (name, label, placeholder = "") =>
+      textBox(`lab-${name}`, { value: given[name] ?? "", "aria-label": label, placeholder,
+        onInput: typed(text => (given[name] = text)) });
+    const take = () => { // the chosen axis's integers: tuned here, answered there
+      for (const name of members) given[`${key}.${name}`] = String(param[name]);
+      page.changed();
+    };
+    const known = members.length > 0 && members.every(name => name in (param ?? {}));
+    const boxes = members.map(name => labelled(name, box(`${key}.${name}`, `${key} ${name}`)));
+    return row(h("b", {}, key), members.length ? boxes : box(key, key, example),
+      known && button(`lab-take-${key}`, "From the chosen axis", take),
+      h("span", { class: "hint" }, hint));
   }
 
-  const element = el("div", { className: "labs" },
-    el("div", { className: "row" }, labelled("Sheet", list), commands), text, form,
-    el("div", { className: "row" }, check, save, said), marks);
-  return { title: "Labs", element, visible: false, shown };
+  const mark = ({ key, points, of, why }) =>
+    h("tr", { class: points ? "good" : "bad" }, h("th", {}, key),
+      h("td", {}, `${points ? "✓" : "✗"} ${points} of ${of}`), h("td", {}, why));
+  const save = () => download("answer.toml", answer(), "text/plain");
+  /** Text and form; the text is made from Markdown without HTML. */
+  const paper = (
+    { html, number, fields },
+  ) => [
+    h("article", { class: "lab-text", tabIndex: 0, "aria-label": "the sheet",
+      dangerouslySetInnerHTML: { __html: html } }),
+    h("div", { class: "lab-form", role: "group", "aria-label": "your answers", key: number },
+      fields.map(formRow)),
+  ];
+  return () => {
+    if (!state.sheets) trying(begin());
+    const { sheets, sheet, said, marks, busy } = state;
+    const titles = sheets.map(({ number, title }) => [number, `${number} ${title}`]);
+    const choose = typed(number => trying(open(Number(number))));
+    const commands = sheet
+      && ["The scenarios to work with: ", h("code", {}, sheet.start), " · the same check: ",
+        h("code", {}, sheet.check)];
+    const runs = { disabled: busy || !sheet,
+      title: "runs the sheet's scenarios with your answers" };
+    return h("div", { class: "labs" },
+      row(labelled("Sheet", list(titles, { id: "lab-sheet", onChange: choose })),
+        h("p", { id: "lab-commands" }, commands)), sheet && paper(sheet),
+      row(button("lab-check", "Check", () => trying(grade()), runs),
+        button("lab-save", "Save answer.toml", save),
+        h("p", { id: "lab-said", role: "status" }, said)),
+      marks
+        && h("table", { id: "lab-marks" },
+          h("thead", {}, cells([["question", "points", "why"]], "th")),
+          h("tbody", {}, marks.map(mark))));
+  };
 }

@@ -6,7 +6,7 @@ import uPlot from "./lib/uplot/uPlot.esm.js";
 import { envelope } from "./samples.js";
 
 // Told apart by colour-blind readers (look.css), and by their dashes.
-const COLOURS = ["--c0", "--c1", "--c2", "--c3", "--c4", "--c5", "--c6"];
+const COLOURS = ["--c0", "--c1", "--c2", "--c3", "--c4", "--c5"];
 const DASHES = [[], [8, 3], [2, 2], [8, 3, 2, 3]];
 const LANES = { encnow: "position", setpoint: "position", demand: "position", fbnow: "position",
   error: "error", vel: "velocity", current: "current", inow: "current", adcvai: "A/D",
@@ -14,16 +14,16 @@ const LANES = { encnow: "position", setpoint: "position", demand: "position", fb
 const WORDS = { encnow: "count", fbnow: "feedback", inow: "reported current", adcvai: "A/D",
   vel: "velocity", errcode: "errors" };
 const QUANTITIES = { position: "position", error: "position", current: "current" };
-const WHOLE = Array.from({ length: 10 }, (_, n) => [1, 2, 5].map((step) => step * 10 ** n)).flat();
+const WHOLE = Array.from({ length: 10 }, (_, n) => [1, 2, 5].map(step => step * 10 ** n)).flat();
 const BOTTOM = 34; // of the time axis
 const LEAST = 46; // height of a lane
 
-export const style = (n) => ({ stroke: COLOURS[n % COLOURS.length],
+export const style = n => ({ stroke: COLOURS[n % COLOURS.length],
   dash: DASHES[Math.floor(n / COLOURS.length) % DASHES.length] });
 /** What people call a field of a sample. */
-export const wordOf = (field) => WORDS[field] ?? field;
+export const wordOf = field => WORDS[field] ?? field;
 /** What a field is measured in, for units.js; "" for none. */
-export const quantityOf = (field) => QUANTITIES[LANES[field]] ?? "";
+export const quantityOf = field => QUANTITIES[LANES[field]] ?? "";
 
 export class Lanes {
   #plots = [];
@@ -31,29 +31,30 @@ export class Lanes {
   #size = "";
 
   /** zoom(from, to) when a span was drawn with the pointer, roll() at a double-click, wheel(factor, t). */
-  constructor(units, { zoom, roll, wheel }) {
+  constructor(units, help, { zoom, roll, wheel }) {
     this.units = units;
     this.zoom = zoom;
     this.roll = roll;
     this.pointer = null; // s, where the pointer is
     this.marks = []; // {t, name}
-    this.element = el("div", { className: "screen" });
+    this.element = el("div", { className: "screen own-keys", tabIndex: 0, role: "group",
+      "aria-label": help });
     const anew = () => this.set(this.series ?? []);
-    this.element.addEventListener("wheel", (event) => {
+    this.element.addEventListener("wheel", event => {
       if (this.pointer === null) return;
       event.preventDefault();
       wheel(Math.exp(event.deltaY / 500), this.pointer);
     });
-    const left = (of) => of.getBoundingClientRect().left;
-    const time = (x) =>
+    const left = of => of.getBoundingClientRect().left;
+    const time = x =>
       this.#plots[0].posToVal(x + left(this.element) - left(this.#plots[0].over), "x");
     gestures(this.element, {
       takes: ({ pointerType }) => pointerType === "touch" && this.#plots.length,
       zoom: (factor, x) => wheel(factor, time(x)),
-      pan: (was, x) => this.zoom(...this.view.map((t) => t + time(was) - time(x))),
+      pan: (was, x) => this.zoom(...this.view.map(t => t + time(was) - time(x))),
     });
     new ResizeObserver(() => this.#fit()).observe(this.element);
-    units.addEventListener("change", anew);
+    units.on("change", anew);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);
   }
 
@@ -63,7 +64,7 @@ export class Lanes {
     for (const plot of this.#plots) plot.destroy();
     const laneOf = ({ channel: { field } }) => LANES[field] ?? field;
     const names = [...new Set(series.map(laneOf))];
-    this.#lanes = names.map((name) => series.filter((one) => laneOf(one) === name));
+    this.#lanes = names.map(name => series.filter(one => laneOf(one) === name));
     this.#plots = this.#lanes.map((lane, n) => this.#plot(names[n], lane, n === names.length - 1));
     this.#size = "";
     this.#fit();
@@ -78,7 +79,7 @@ export class Lanes {
     const grid = { stroke: colour("--shade"), width: 1 };
     const { by, unit } = quantityOf(lane[0].channel.field) ? this.#scale(lane[0])
       : { by: 1, unit: "" };
-    const series = lane.map((one) => ({ label: one.name, stroke: colour(one.channel.stroke),
+    const series = lane.map(one => ({ label: one.name, stroke: colour(one.channel.stroke),
       dash: one.overlay ? [3, 4] : one.channel.dash, width: one.overlay ? 1 : 1.5, spanGaps: true,
       points: { show: false } })
     );
@@ -91,10 +92,9 @@ export class Lanes {
         labelGap: 0, labelFont: "11px sans-serif" }], series: [{}, ...series],
       legend: { show: false }, padding: [9, 10, last ? 0 : 8, 0],
       cursor: { drag: { x: true, y: false, setScale: false }, sync: { key: "scope" },
-        points: { show: false } },
-      hooks: { setSelect: [(u) => this.#select(u)], setCursor: [(u) => {
-        this.pointer = u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : null;
-      }], draw: [(u) => this.#drawMarks(u)] } }, [[], ...series.map(() => [])], this.element);
+        points: { show: false } }, hooks: { setSelect: [u => this.#select(u)], setCursor: [u => {
+          this.pointer = u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : null;
+        }], draw: [u => this.#drawMarks(u)] } }, [[], ...series.map(() => [])], this.element);
     plot.over.addEventListener("dblclick", () => this.roll());
     return plot;
   }
@@ -123,14 +123,14 @@ export class Lanes {
     this.#fit();
     this.#plots.forEach((plot, n) => {
       const pixels = Math.max(100, plot.width);
-      const tables = this.#lanes[n].map((one) => {
+      const tables = this.#lanes[n].map(one => {
         const { source, shift, channel } = one;
         const low = Math.max(source.first, source.find(from - shift) - 1);
         const high = Math.min(source.end, source.find(to - shift) + 1);
         const [t, v] = envelope(source, source.column(channel.axis, channel.field), low, high,
           pixels);
         const { by } = this.#scale(one);
-        return [shift ? t.map((s) => s + shift) : t, by === 1 ? v : v.map((value) => value * by)];
+        return [shift ? t.map(s => s + shift) : t, by === 1 ? v : v.map(value => value * by)];
       });
       plot.batch(() => {
         plot.setData(tables.length ? uPlot.join(tables) : [[]], false);

@@ -2,21 +2,23 @@
 // Messages for a page: requests as promises, the stream as events. Of the machine
 // (docs/use/protocol.md), and of a worker of ours (mmcs/tool/worker.py).
 //
-// A carrier has send(text), close(), pulse(ms) and the hooks onText, onBytes, onClose; below is the one
-// of a WebSocket. Events: hello, event, progress, samples (an ArrayBuffer), lost, closed (a reason).
+// A carrier has send(text), close(), pulse(ms), the hooks onText, onBytes, onClose, and may have connect(),
+// which a hello says to have worked; below is the one of a WebSocket. Events: hello, event, progress,
+// samples (an ArrayBuffer), lost, closed (a reason).
 
-export class Link extends EventTarget {
-  #carrier;
+import { Source } from "./dom.js";
+
+export class Link extends Source {
   #waiting = new Map();
   #next = 1;
   #gone = ""; // why, when it is closed
 
   constructor(carrier) {
     super();
-    this.#carrier = carrier;
-    carrier.onText = (text) => this.#hear(JSON.parse(text));
-    carrier.onBytes = (buffer) => this.#tell("samples", buffer);
-    carrier.onClose = (reason) => this.#end(reason);
+    this.carrier = carrier;
+    carrier.onText = text => this.#hear(JSON.parse(text));
+    carrier.onBytes = buffer => this.tell("samples", buffer);
+    carrier.onClose = reason => this.#end(reason);
   }
 
   /** One request; resolves to the reply, rejects with the words of a refusal. */
@@ -25,7 +27,7 @@ export class Link extends EventTarget {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       this.#waiting.set(id, { resolve, reject });
-      this.#carrier.send(JSON.stringify({ op, ...args, id }));
+      this.carrier.send(JSON.stringify({ op, ...args, id }));
     });
   }
 
@@ -34,21 +36,9 @@ export class Link extends EventTarget {
     return this.request("call", { request, ...args });
   }
 
-  close() {
-    this.#carrier.close();
-  }
-
   /** Says every 80 ms that the page is there, until it hangs for so many ms; 0: not any more. */
   pulse(ms) {
-    this.#carrier.pulse(ms);
-  }
-
-  /** Whether a connection that was lost can be tried again; and that. A hello says that it stands. */
-  get canConnect() {
-    return Boolean(this.#carrier.connect);
-  }
-  connect() {
-    this.#carrier.connect();
+    this.carrier.pulse(ms);
   }
 
   #hear(message) {
@@ -60,18 +50,14 @@ export class Link extends EventTarget {
       return;
     }
     if (message.type === "hello") this.#gone = "";
-    this.#tell(message.type, message);
+    this.tell(message.type, message);
   }
 
   #end(reason) {
     this.#gone = reason;
     for (const { reject } of this.#waiting.values()) reject(new Error(reason));
     this.#waiting.clear();
-    this.#tell("closed", reason);
-  }
-
-  #tell(type, detail) {
-    this.dispatchEvent(new CustomEvent(type, { detail }));
+    this.tell("closed", reason);
   }
 }
 
@@ -79,10 +65,10 @@ export class Link extends EventTarget {
  * gone: what is told then, if the server gives no reason. */
 export function socketCarrier(address, gone = "the page's server is gone") {
   const worker = new Worker("socket.js");
-  const carrier = { onText: (_) => {}, onBytes: (_) => {}, onClose: (_) => {},
-    send: (text) => worker.postMessage({ send: text }),
+  const carrier = { onText: _ => {}, onBytes: _ => {}, onClose: _ => {},
+    send: text => worker.postMessage({ send: text }),
     close: () => worker.postMessage({ close: true }),
-    pulse: (ms) => worker.postMessage({ pulse: ms }),
+    pulse: ms => worker.postMessage({ pulse: ms }),
     connect: () => worker.postMessage({ connect: address, gone }) };
   worker.onmessage = ({ data }) => {
     if (data.text) carrier.onText(data.text);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the machine said, the newest first, in words that stay readable after a clear.
 
-import { h, row } from "./html.js";
+import { h, row, searchBox } from "./html.js";
 
 const SHOWN = ["error", "panic", "stopped", "enabled", "log", "fault", "lost", "bus", "signal",
   "lease", "client", "pace", "rewind", "heartbeat", "brake", "help"];
@@ -21,23 +21,18 @@ const isBad = ({ kind, value, drives }) =>
 
 /** The latest that people must not miss. */
 export function said({ messages }) {
-  const found = messages.findLast((one) =>
-    LOUD.includes(one.kind) && (one.kind !== "panic" || isBad(one))
-  );
+  const isLoud = one => LOUD.includes(one.kind) && (one.kind !== "panic" || isBad(one));
+  const found = messages.findLast(isLoud);
   return found ? line(found) : "";
 }
 
 export function log(page) {
   const wanted = page.filter.toLowerCase();
-  const lines = page.machine.messages.filter(({ kind }) => SHOWN.includes(kind)).map((
-    one,
-  ) => [one, line(one)]).filter(([, text]) => text.toLowerCase().includes(wanted)).slice(-MOST)
-    .reverse();
-  const only = "only lines with";
-  const search = { type: "search", id: "log-filter", "aria-label": only, placeholder: only,
-    value: page.filter, onInput: ({ target }) => page.set({ filter: target.value }) };
-  const item = ([one, text]) => h("li", { class: isBad(one) ? "bad" : one.kind }, text);
-  return h("div", {}, row(h("input", search)),
+  const named = { "aria-label": "only lines with", placeholder: "only lines with" };
+  const shown = one => SHOWN.includes(one.kind) && line(one).toLowerCase().includes(wanted);
+  const item = one => h("li", { class: isBad(one) ? "bad" : one.kind }, line(one));
+  return h("div", {},
+    row(searchBox("log-filter", page.filter, filter => page.set({ filter }), named)),
     h("ol", { class: "log", tabIndex: 0, "aria-label": "what happened, the newest first" },
-      lines.map(item)));
+      page.machine.messages.filter(shown).slice(-MOST).reverse().map(item)));
 }

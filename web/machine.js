@@ -6,9 +6,10 @@
 // it the page writes nothing. While it is held a Worker says so every 80 ms; 250 ms of silence stop the
 // machine (deadman_ms, docs/use/tool.md), and so does a page that hangs for four times that.
 //
-// Events: hello (also when connected again), driver, samples, event and each kind of event, control,
-// closed.
+// Events: hello (also when connected again), driver, inputs, samples, control, closed; event, and
+// wire:KIND of each kind from the wire.
 
+import { Source } from "./dom.js";
 import { History } from "./samples.js";
 
 const HANGS = 4; // times the dead-man: a page that does nothing for so long hangs, and its pulse ends
@@ -17,7 +18,7 @@ const SEEN_MS = 500;
 const AGAIN_MS = 1000; // between attempts to connect
 const LOST = { axis: -1, text: "as it is after the loss" };
 
-export class Machine extends EventTarget {
+export class Machine extends Source {
   constructor(link, deadman_ms = 250) {
     super();
     this.link = link;
@@ -38,18 +39,18 @@ export class Machine extends EventTarget {
     this.branches = []; // {from, to}, s: futures that were left by going back
     this.powerEnd = null; // s: when power ended last; null: not since the start
     this.speed = 1;
-    link.addEventListener("hello", ({ detail }) => this.#welcome(detail));
-    link.addEventListener("samples", ({ detail }) => {
-      this.history?.append(detail);
+    link.on("hello", hello => this.#welcome(hello));
+    link.on("samples", buffer => {
+      this.history?.append(buffer);
       this.heard = performance.now();
       this.tell("samples");
     });
-    link.addEventListener("event", ({ detail }) => this.#event(detail));
-    link.addEventListener("lost", ({ detail }) => {
-      this.say("lost", `${detail.events} events lost`);
+    link.on("event", event => this.#event(event));
+    link.on("lost", ({ events }) => {
+      this.say("lost", `${events} events lost`);
       this.#askAgain();
     });
-    link.addEventListener("closed", ({ detail }) => this.#closed(detail));
+    link.on("closed", reason => this.#closed(reason));
   }
   #mode = "";
   #dirty = new Set(); // axes to be read again; -1: everything
@@ -60,19 +61,16 @@ export class Machine extends EventTarget {
 
   async #welcome(hello) {
     clearInterval(this.#again);
-    this.hello = hello;
-    this.enabled = hello.enabled;
-    this.paused = hello.paused;
-    this.speed = hello.speed;
-    this.holder = hello.lease;
+    const { enabled, paused, speed, lease } = hello;
+    Object.assign(this, { hello, enabled, paused, speed, holder: lease });
     this.history ??= new History(hello.sample.fields);
     this.#mode = "";
-    await this.try(this.link.request("name", { name: "mctool" }));
+    await this.ask("name", { name: "mctool" });
     await this.try(this.open("r"));
     const past = this.#lost ? 0 : 8000;
     this.connected = true;
     this.#lost = false;
-    await this.try(this.link.request("follow", { past, period_ms: 25 }));
+    await this.ask("follow", { past, period_ms: 25 });
     await Promise.all([this.read(), this.#readInputs()]);
     this.tell("hello");
   }
@@ -84,12 +82,12 @@ export class Machine extends EventTarget {
     this.#lost = true;
     this.say("error", reason);
     this.tell("closed");
-    if (this.link.canConnect) this.#again = setInterval(() => this.link.connect(), AGAIN_MS);
+    this.#again = setInterval(() => this.link.carrier.connect?.(), AGAIN_MS);
   }
 
   /** What lost events may have told: who controls, whether the servo is on, inputs, all that it has. */
   async #askAgain() {
-    const hello = await this.try(this.link.request("hello"));
+    const hello = await this.ask("hello");
     if (!hello) return;
     this.#event({ ...LOST, t: hello.time, kind: "enabled", value: hello.enabled });
     this.#event({ ...LOST, t: hello.time, kind: "lease", value: hello.lease ?? -1 });
@@ -124,8 +122,8 @@ export class Machine extends EventTarget {
       last.times = (last.times ?? 1) + 1;
     else this.messages.push(event);
     if (this.messages.length > 5000) this.messages.splice(0, 1000);
-    this.dispatchEvent(new CustomEvent("event", { detail: event }));
-    this.tell(event.kind);
+    this.tell("event", event);
+    this.tell(`wire:${event.kind}`, event);
   }
 
   /** What is later than t is a future that was left. */
@@ -151,31 +149,25 @@ export class Machine extends EventTarget {
   async #readDirty() {
     while (this.#dirty.size && this.connected) {
       const all = this.#dirty.has(-1);
-      const axes = all ? Array.from({ length: this.hello.axes }, (_, n) => n) : [...this.#dirty];
+      const axes = all ? [...Array(this.hello.axes).keys()] : [...this.#dirty];
       this.#dirty.clear();
-      const settings = all ? this.link.request("hello") : Promise.resolve(null);
-      await Promise.all([settings.then((told) => told && this.#settle(told)).catch(() => {}),
-        ...axes.map((n) => this.#param(n))]);
+      const settings = async () => {
+        const { interval_us, diag, double_buffer } = await this.link.request("hello");
+        Object.assign(this.driver, { interval_us, diag, double_buffer });
+      };
+      await Promise.all([all && settings().catch(() => {}), ...axes.map(n => this.#param(n))]);
       this.tell("driver");
     }
   }
 
   /** Resolves when a sample shows it, or none has for so long: the machine may be paused. */
   seen(predicate, ms = SEEN_MS) {
-    return new Promise((done) => {
-      const look = () => predicate() && end();
-      const timer = setTimeout(() => end(), ms);
-      const end = () => {
-        clearTimeout(timer);
-        this.removeEventListener("samples", look);
-        done();
-      };
-      this.addEventListener("samples", look);
+    return new Promise(done => {
+      const ends = new AbortController();
+      const timer = setTimeout(() => ends.abort(), ms);
+      ends.signal.onabort = () => done(clearTimeout(timer));
+      this.on("samples", () => predicate() && ends.abort(), { signal: ends.signal });
     });
-  }
-
-  #settle({ interval_us, diag, double_buffer }) {
-    Object.assign(this.driver, { interval_us, diag, double_buffer });
   }
 
   /** An axis that the servo does not control has no parameters. */
@@ -193,7 +185,7 @@ export class Machine extends EventTarget {
 
   /** An input of the whole machine as it is now. */
   input(name) {
-    const found = this.inputs.find((one) => one.name === name);
+    const found = this.inputs.find(one => one.name === name);
     return found ? (found.values[0] ?? found.healthy) : undefined;
   }
 
@@ -253,11 +245,6 @@ export class Machine extends EventTarget {
     this.tell("control");
   }
 
-  /** Lends the control to another client (an experiment) until reclaim(). */
-  lend(client) {
-    return this.try(this.link.request("lease", { give: client }));
-  }
-
   /** After an experiment: the lease has come back, or is free. */
   async reclaim() {
     if (this.controls) return;
@@ -266,9 +253,9 @@ export class Machine extends EventTarget {
 
   /** A machine under power is stopped first: nobody would be there to stop it. */
   async dropControl() {
-    if (this.enabled) await this.try(this.link.request("stop"));
+    if (this.enabled) await this.ask("stop");
     this.#lose();
-    await this.try(this.link.request("lease", { drop: true }));
+    await this.ask("lease", { drop: true });
   }
 
   // --- words ---
@@ -283,13 +270,14 @@ export class Machine extends EventTarget {
     }
   }
 
+  /** A request; as above. */
+  ask(op, args = {}) {
+    return this.try(this.link.request(op, args));
+  }
+
   say(kind, text) {
     const event = { t: this.history?.now ?? 0, kind, axis: -1, value: 0, text };
     this.messages.push(event);
-    this.dispatchEvent(new CustomEvent("event", { detail: event }));
-  }
-
-  tell(type) {
-    this.dispatchEvent(new CustomEvent(type));
+    this.tell("event", event);
   }
 }

@@ -10,13 +10,13 @@ import { Link, socketCarrier } from "./link.js";
 const asked = new URLSearchParams(location.search);
 if (asked.get("stop")) byId("stop").src = asked.get("stop");
 
-const socket = (name) => {
+const socket = name => {
   const address = new URL(name, location.href);
   address.protocol = address.protocol.replace("http", "ws");
   return address.href.split("?")[0];
 };
 try {
-  const worker = (name) =>
+  const worker = name =>
     new Link(socketCarrier(socket(name), "the page's server is gone; load the page again"));
   const workers = { advice: worker("advice"), labs: () => worker("labs") };
   run(socketCarrier(socket("machine")), workers, asked.has("control"));

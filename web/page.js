@@ -2,7 +2,7 @@
 // The page's one store: the machine, the moment looked at, the chosen axis, drafts, units. Every view is
 // a function of it; whoever changes something in it calls changed(), and all that is visible is drawn anew.
 
-import { parseInteger } from "./dom.js";
+import { parseInteger, Source } from "./dom.js";
 import { Drafts } from "./drafts.js";
 import { MODE_MASK } from "./params.js";
 import { Units } from "./units.js";
@@ -10,7 +10,7 @@ import { Units } from "./units.js";
 const FASTEST_US = 100;
 const SLOWEST_US = 1e9;
 
-export class Page extends EventTarget {
+export class Page extends Source {
   /** asked: of the address. advice: null: no designer (docs/use/tool.md); labs makes what answers for
    * the lab sheets (web/labs.js). */
   constructor(machine, { advice, labs }, asked = new URLSearchParams()) {
@@ -26,30 +26,24 @@ export class Page extends EventTarget {
     this.oldest = 0; // s: of the snapshots
     this.filter = ""; // of the log
     this.fault = { name: "", search: "", index: "0", value: "", since: 0 }; // what the view of faults asks for
+    this.view = asked.get("view"); // shown first
     this.all = asked.get("theme") === "1989"; // panels of all axes
     this.follows = !asked.has("u"); // counts, A/D and current
     this.asked = false; // Enable was pressed although the hand-held button is
-    this.arm =
-      this.scope =
-      this.render =
-      this.draw =
-      this.showWaves =
-        null; // made by app.js and tabs.js
-    this.drafts = new Drafts((error) => machine.say("error", error.message), () => this.changed());
-    machine.addEventListener("rewind", () => this.look(null));
-    // a question waits for its answer until what it was about has changed
-    for (const kind of ["inputs", "enabled", "lease"]) {
-      machine.addEventListener(kind, () => {
-        this.asked = false;
-      });
-    }
-    for (const kind of ["driver", "control", "enabled", "inputs", "lease", "closed", "stopPath"])
-      machine.addEventListener(kind, () => this.changed());
-    this.units.addEventListener("change", () => this.changed());
+    this.arm = this.scope = null; // made by app.js and tabs.js
+    this.draw = null;
+    this.drafts = new Drafts(error => machine.say("error", error.message), () => this.changed());
+    machine.on("wire:rewind", () => this.look(null));
+    machine.on("inputs wire:enabled wire:lease", () => {
+      this.asked = false; // a question waits for its answer until what it was about has changed
+    });
+    machine.on("driver control wire:enabled inputs wire:lease closed stopPath",
+      () => this.changed());
+    this.units.on("change", () => this.changed());
   }
 
   changed() {
-    this.dispatchEvent(new CustomEvent("changed"));
+    this.tell("changed");
   }
 
   set(values) {
@@ -59,13 +53,13 @@ export class Page extends EventTarget {
 
   look(t) {
     this.moment = t;
-    this.dispatchEvent(new CustomEvent("look"));
+    this.tell("look");
     this.changed();
   }
 
   choose(axis) {
     this.axis = Math.max(0, Math.min(axis, this.axes.length - 1));
-    this.dispatchEvent(new CustomEvent("choose"));
+    this.tell("choose");
     this.changed();
   }
 
@@ -100,7 +94,7 @@ export class Page extends EventTarget {
   modeWord(axis) {
     const now = this.machine.driver.params[axis].mode;
     if (!this.past) return now;
-    const isOwn = (one) => one.kind === "mode" && one.axis === axis && !one.left;
+    const isOwn = one => one.kind === "mode" && one.axis === axis && !one.left;
     const changes = this.machine.messages.filter(isOwn);
     const last = changes.findLast(({ t }) => t <= this.moment);
     return last ? last.value : changes.length ? 0 : now;
@@ -140,25 +134,20 @@ export class Page extends EventTarget {
   async setInterval(text) {
     const { machine, about } = this;
     const value = parseInteger(text, FASTEST_US, SLOWEST_US, "interval, µs");
-    await machine.link.call("MSETINTERVAL", { value }).catch((error) => {
+    await machine.link.call("MSETINTERVAL", { value }).catch(error => {
       if (error.message !== "Invalid argument") throw error;
-      throw new Error(
-        `interval: the adaptor's timers do not make ${value} µs; ${FASTEST_US} µs to 500 s in steps of 0.1 %`,
-      );
+      throw new Error(`interval: the timers do not make ${value} µs; 100 µs to 500 s by 0.1 %`);
     });
-    if (value > about.heartbeat_us) {
-      machine.say("help",
-        `interval: above the cards' heartbeat of ${
-          about.heartbeat_us / 1000
-        } ms the machine panics by design`);
-    }
+    const ms = about.heartbeat_us / 1000;
+    const panics = `interval: above the cards' heartbeat, ${ms} ms, the machine panics by design`;
+    if (value > about.heartbeat_us) machine.say("help", panics);
     await machine.read();
   }
 
   async goBack(t) {
     const { machine } = this;
-    await machine.try(machine.link.request("pace", { paused: true }));
-    await machine.try(machine.link.request("rewind", { t })); // the page shows the latest as soon as it is told
+    await machine.ask("pace", { paused: true });
+    await machine.ask("rewind", { t }); // the page shows the latest as soon as it is told
   }
 
   /** Whether an axis has other numbers than the robot file or the scenario suggests. */

@@ -21,45 +21,37 @@ export const INT_MIN = -(2 ** 31);
 export const INT_MAX = 2 ** 31 - 1;
 
 export function errorWords(errcode) {
-  const seen = Object.keys(ERRORS).filter((name) => errcode & ERRORS[name]);
-  return seen.map((name) => ERROR_WORDS[name]).join(", ");
+  const seen = Object.keys(ERRORS).filter(name => errcode & ERRORS[name]);
+  return seen.map(name => ERROR_WORDS[name]).join(", ");
 }
 
 /** The panel's name for the mode of an axis. Diag is MD_OFF with a D/A code by MSETDAC. */
 export function modeName(param, current = 0) {
-  const name = Object.keys(MODES).find((one) => MODES[one] === (param.mode & MODE_MASK)) ?? "off";
+  const name = Object.keys(MODES).find(one => MODES[one] === (param.mode & MODE_MASK)) ?? "off";
   return name === "off" && current !== 0 ? "diag" : name;
 }
 
 /** Gains as at power-on (Table 2.1): one D/A unit a count. */
-export const isInitial = (param) =>
+export const isInitial = param =>
   Boolean(param)
-  && ["a0", "a1", "a2", "b0", "b1", "b2"].map((name) => param[name]).join() === "1,0,0,1,0,0";
+  && ["a0", "a1", "a2", "b0", "b1", "b2"].map(name => param[name]).join() === "1,0,0,1,0,0";
 
 export const isBounded = ({ plo, phi }) => plo > INT_MIN / 2 && phi < INT_MAX / 2;
 
 /** What the setpoint means in a mode: name, range, and what it is measured in (units.js). */
 export function setpointScale(mode, param) {
   const fed = param.mode & FLAGS.ADFB ? "adc" : "position";
-  const bounded = isBounded(param);
-  switch (mode) {
-    case "pos":
-      return { name: "Position", quantity: fed, low: bounded ? param.plo : -20000,
-        high: bounded ? param.phi : 20000 };
-    case "vel":
-      return { name: "Velocity", quantity: fed, per: "sample", low: -50, high: 50 };
-    case "torq":
-      return { name: "Torque", quantity: "current", low: -param.ilim, high: param.ilim };
-    case "diag":
-      return { name: "D/A", quantity: "code", low: -2048, high: 2047 };
-    default:
-      return null;
-  }
+  const [low, high] = isBounded(param) ? [param.plo, param.phi] : [-20000, 20000];
+  const scales = { pos: { name: "Position", quantity: fed, low, high },
+    vel: { name: "Velocity", quantity: fed, per: "sample", low: -50, high: 50 },
+    torq: { name: "Torque", quantity: "current", low: -param.ilim, high: param.ilim },
+    diag: { name: "D/A", quantity: "code", low: -2048, high: 2047 } };
+  return scales[mode] ?? null;
 }
 
 /** PID gains that the integers stand for, by the backward difference; null for another form. */
 export function gainsOf(param, interval_s) {
-  const [a0, a1, a2, b1, b2] = ["a0", "a1", "a2", "b1", "b2"].map((name) => param[name] / param.b0);
+  const [a0, a1, a2, b1, b2] = ["a0", "a1", "a2", "b1", "b2"].map(name => param[name] / param.b0);
   if (!(param.b0 > 0)) return null;
   const integrates = param.b0 + param.b1 + param.b2 === 0; // (1 - q)(1 - pole q)
   if (!integrates && b2 !== 0) return null;

@@ -24,62 +24,53 @@ export function csvHead(history) {
 export function csvLines({ columns, rowInts }, { times, ints }) {
   const lines = [];
   times.forEach((t, row) => {
-    const values = columns.map((column) => ints[row * rowInts + column]);
+    const values = columns.map(column => ints[row * rowInts + column]);
     lines.push([t.toFixed(9), ...values].join(","));
   });
   return `${lines.join("\n")}\n`;
 }
 
-/** A recording that was saved. */
-export class Recording extends History {
-  #names = null;
-  name = "";
-  #lines = 0;
-  #head = [];
-
-  /** Of a file; between pieces of it the page goes on. Rejects with one sentence. */
-  static async of(blob, name) {
-    const made = new Recording([], Infinity);
-    made.name = name;
-    let rest = "";
-    for await (const text of blob.stream().pipeThrough(new TextDecoderStream())) {
-      const lines = (rest + text).split("\n");
-      rest = lines.pop();
-      lines.forEach((line) => made.#line(line));
-    }
-    made.#line(rest);
-    if (!made.#names) made.#begin("");
-    return made;
-  }
-
-  #line(text) {
+/** A recording that was saved, of a file; between pieces of it the page goes on. Rejects with one
+ * sentence. */
+export async function readRecording(blob, name) {
+  const made = Object.assign(new History([], Infinity), { name });
+  const head = new Array(made.linesColumn).fill(0);
+  let [columns, rows, rest] = [0, 0, ""];
+  const take = text => {
     const line = text.replace(/\r$/, "");
-    if (!line || line.startsWith("#")) return;
-    if (!this.#names) {
-      this.#begin(line);
+    if (line.startsWith("#") || (columns && !line)) return;
+    if (!columns) {
+      columns = begin(made, line.split(","));
       return;
     }
-    const values = line.split(",").map((cell) => (NUMBER.test(cell) ? Number(cell) : NaN));
-    const fits = values.slice(1).every((value) =>
-      Number.isInteger(value) && Math.abs(value) <= MOST
-    );
-    if (values.length !== this.#names.length || !Number.isFinite(values[0]) || !fits)
-      throw new Error(`${this.name}: line ${this.#lines + 2} is damaged`);
-    this.add(this.#lines++, values[0], [...this.#head, values[1], this.axes, ...values.slice(2)]);
+    const values = line.split(",").map(cell => (NUMBER.test(cell) ? Number(cell) : NaN));
+    const fits = values.slice(1).every(value => Number.isInteger(value) && Math.abs(value) <= MOST);
+    if (values.length !== columns || !Number.isFinite(values[0]) || !fits)
+      throw new Error(`${name}: line ${rows + 2} is damaged`);
+    made.add(rows++, values[0], [...head, values[1], made.axes, ...values.slice(2)]);
+  };
+  for await (const text of blob.stream().pipeThrough(new TextDecoderStream())) {
+    const lines = (rest + text).split("\n");
+    rest = lines.pop();
+    lines.forEach(take);
   }
+  take(rest);
+  return made;
+}
 
-  #begin(line) {
-    const { name } = this;
-    this.#names = line.split(",");
-    if (this.#names[0] !== "t_s" || this.#names[1] !== "lines")
-      throw new Error(`${name}: not a recording; its first line must begin with t_s,lines`);
-    const parts = this.#names.slice(2).map((n) => /^([a-z]+)_(\d+)$/.exec(n));
-    if (parts.some((part) => !part)) throw new Error(`${name}: a column is no field of an axis`);
-    this.fields = [...new Set(parts.map((part) => part[1]))];
-    this.axes = Math.max(-1, ...parts.map((part) => Number(part[2]))) + 1;
-    if (this.fields.length * this.axes !== parts.length)
-      throw new Error(`${name}: an axis lacks a field`);
-    this.rowInts = this.lightsColumn(0);
-    this.#head = new Array(this.linesColumn).fill(0);
-  }
+/** Takes the names of columns; how many there are. */
+function begin(made, names) {
+  const no = why => {
+    throw new Error(`${made.name}: ${why}`);
+  };
+  if (names[0] !== "t_s" || names[1] !== "lines")
+    no("not a recording; its first line must begin with t_s,lines");
+  const parts = names.slice(2).map(name =>
+    /^([a-z]+)_(\d+)$/.exec(name) ?? no("a column is no field of an axis")
+  );
+  made.fields = [...new Set(parts.map(([, field]) => field))];
+  made.axes = Math.max(-1, ...parts.map(([, , axis]) => Number(axis))) + 1;
+  if (made.fields.length * made.axes !== parts.length) no("an axis lacks a field");
+  made.rowInts = made.lightsColumn(0);
+  return names.length;
 }

@@ -92,6 +92,11 @@ export class History {
     }
   }
 
+  /** The numbers of the rows from one on. */
+  rows(from) {
+    return Array.from({ length: this.end - from }, (_, n) => from + n);
+  }
+
   #place(row) {
     const at = row - this.#first;
     return [this.#chunks[Math.floor(at / CHUNK_ROWS)], at % CHUNK_ROWS];
@@ -161,9 +166,8 @@ export class History {
 
   /** The values of an axis by field name. */
   at(axis, row) {
-    return Object.fromEntries(
-      this.fields.map((field) => [field, this.value(row, this.column(axis, field))]),
-    );
+    const value = field => [field, this.value(row, this.column(axis, field))];
+    return Object.fromEntries(this.fields.map(value));
   }
 
   /** The latest; null before the first sample. */

@@ -1,151 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scope: every sample of any field of any axis; roll and trigger, cursors, zoom, recordings.
 
-import { button, choice, colour, el, labelled, parseNumber, setText } from "./dom.js";
+import { byId, el, parseNumber, setText } from "./dom.js";
+import { button, h, labelled, list, output, render, row, textBox, tick } from "./html.js";
 import { Lanes, quantityOf, style, wordOf } from "./lanes.js";
 import { recordings } from "./scope_files.js";
 import { findTrigger } from "./trigger.js";
 
 const WINDOWS = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60, 120, 300, 600];
+const TRIGGERS = Object.entries({ none: "no trigger", rise: "rise", fall: "fall", error: "error",
+  panic: "PANIC" });
 const ZOOM = 1.5;
 const LEAST_S = 0.001;
 const SHOWN = ["setpoint", "encnow", "error", "current"];
-
-export function scopeView(page) {
-  const scope = new Scope(page);
-  page.scope = scope;
-  const draw = () => scope.held || scope.draw();
-  return { title: "Scope", element: scope.element, shown: () => scope.draw(),
-    update: () => scope.update(), draw };
-}
+const HELP =
+  "scope screen: A and B set the cursors where the pointer is, W shows waveforms; drag or the wheel "
+  + "zooms, left and right move, + and - zoom, 0 or a double-click rolls on";
+/** What a control of the scope's holds. */
+const asked = name => byId(`scope-${name}`).value;
+const nameOf = ({ axis, field }) => `${wordOf(field)} ${axis}`;
 
 export class Scope {
+  title = "Scope";
+  follows = true; // the chosen axis, with the usual four channels
+  channels = []; // {axis, field, on, stroke, dash}
+  overlays = []; // {recording, shift}
+  marks = [null, null]; // cursors A and B, s
+  held = null; // {from, to}: the view stands, s
+  search = 0; // rows looked at for the trigger
+  fired = null; // time of the trigger
+
   constructor(page) {
     this.page = page;
-    this.channels = [];
-    this.overlays = []; // {recording, shift}
-    this.marks = [null, null]; // cursors A and B, s
-    this.held = null; // {from, to}: the view stands, s
-    this.search = 0; // rows looked at for the trigger
-    this.fired = null; // time of the trigger
-    this.lanes = new Lanes(page.units, { zoom: (from, to) => this.hold(from, to),
+    this.lanes = new Lanes(page.units, HELP, { zoom: (from, to) => this.hold(from, to),
       roll: () => this.roll(), wheel: (...how) => this.#zoom(...how) });
-    this.#build();
+    this.head = el("div", { className: "head" });
+    this.reading = el("pre", { className: "cursors" });
+    this.element = el("div", { className: "scope" }, this.head, this.lanes.element, this.reading);
+    this.lanes.element.addEventListener("keydown", event => this.#key(event));
+    this.files = recordings(this);
+    this.update();
     this.#follow();
-    page.addEventListener("choose", () => this.#follow());
-    page.addEventListener("look", () => this.draw());
-    page.machine.addEventListener("samples", () => this.#trigger());
-    page.machine.addEventListener("rewind", () => {
+    page.on("choose", () => this.#follow());
+    page.on("look", () => this.#show());
+    page.machine.on("samples", () => this.#trigger());
+    page.machine.on("wire:rewind", () => {
       this.search = page.machine.history.end;
     });
   }
 
-  #build() {
-    const { hello } = this.page.machine;
-    const axes = Array.from({ length: hello.axes }, (_, n) => [n, `axis ${n}`]);
-    const fields = hello.sample.fields.map((name) => [name, wordOf(name)]);
-    this.window = choice(WINDOWS.map((s) => [s, `${s} s`]), { id: "scope-window",
-      onchange: () => this.roll() });
-    this.window.value = "2";
-    this.run = button("scope-run", "Hold", () => (this.held ? this.roll() : this.hold()));
-    this.kind = choice([["none", "no trigger"], ["rise", "rise"], ["fall", "fall"], ["error",
-      "error"], ["panic", "PANIC"]], { id: "scope-trigger", onchange: () => this.roll() });
-    this.triggerAxis = choice(axes, { "aria-label": "trigger axis" });
-    this.triggerField = choice(fields, { "aria-label": "trigger field" });
-    this.triggerField.value = "setpoint";
-    this.level = el("input", { type: "text", size: 6, value: "1", "aria-label": "trigger level" });
-    this.pre = el("input", { type: "number", min: 0, max: 100, value: 30,
-      "aria-label": "before, %" });
-    this.again = el("input", { type: "checkbox", "aria-label": "trigger again and again" });
-    this.newAxis = choice(axes, { "aria-label": "axis of a new channel" });
-    this.newField = choice(fields, { "aria-label": "field of a new channel" });
-    this.followBox = el("input", { type: "checkbox", checked: true, id: "scope-follow",
-      onchange: () => this.#follow() });
-    this.list = el("div", { className: "channels" });
-    this.lost = el("output", { id: "scope-lost" });
-    this.reading = el("pre", { className: "cursors" });
-    this.element = el("div", { className: "scope" },
-      el("div", { className: "row" }, this.run, labelled("Window", this.window),
-        labelled("Chosen axis", this.followBox),
-        el("details", { className: "more" },
-          el("summary", { id: "scope-more" }, "Trigger, channels, files"),
-          el("div", {},
-            el("div", { className: "row" }, labelled("Trigger", this.kind), this.triggerAxis,
-              this.triggerField, this.level, labelled("before", this.pre, "%"),
-              labelled("again", this.again)),
-            el("div", { className: "row" }, this.newAxis, this.newField,
-              button("scope-add", "Add channel",
-                () => this.add(Number(this.newAxis.value), this.newField.value)),
-              ...recordings(this)))), this.lost), this.list, this.lanes.element, this.reading);
-    const screen = this.lanes.element;
-    screen.tabIndex = 0;
-    screen.classList.add("own-keys");
-    screen.setAttribute("role", "group");
-    screen.setAttribute("aria-label",
-      "scope screen: A and B set the cursors where the pointer is, W shows waveforms; drag or the wheel zooms, "
-        + "left and right move, + and - zoom, 0 or a double-click rolls on");
-    screen.addEventListener("keydown", (event) => {
-      const { key } = event;
-      const { pointer } = this.lanes;
-      const [from, to] = this.view();
-      const acts = { ArrowLeft: () => this.#pan(-0.25), ArrowRight: () => this.#pan(0.25),
-        0: () => this.roll(), "+": () => this.#zoom(1 / ZOOM, (from + to) / 2),
-        "-": () => this.#zoom(ZOOM, (from + to) / 2) };
-      if (acts[key]) {
-        event.preventDefault();
-        acts[key]();
-      }
-      const mark = { a: 0, b: 1 }[key.toLowerCase()];
-      if (pointer === null) return;
-      if (key.toLowerCase() === "w") this.page.showWaves(pointer);
-      if (mark !== undefined) {
-        this.marks[mark] = pointer;
-        this.draw();
-      }
-    });
+  #key(event) {
+    const { pointer } = this.lanes;
+    const [from, to] = this.view();
+    const mark = n => {
+      this.marks[n] = pointer;
+      this.#show();
+    };
+    const acts = { ArrowLeft: () => this.#pan(-0.25), ArrowRight: () => this.#pan(0.25),
+      0: () => this.roll(), "+": () => this.#zoom(1 / ZOOM, (from + to) / 2),
+      "-": () => this.#zoom(ZOOM, (from + to) / 2),
+      ...(pointer !== null
+        && { a: () => mark(0), b: () => mark(1), w: () => this.page.tell("waves", pointer) }) };
+    const act = acts[event.key.length > 1 ? event.key : event.key.toLowerCase()];
+    if (act) event.preventDefault();
+    act?.();
+  }
+
+  /** What stands above the screen: controls, channels with their numbers. */
+  update() {
+    const { page, held } = this;
+    const { hello, history } = page.machine;
+    const axes = page.axes.map((_, n) => [n, `axis ${n}`]);
+    const fields = hello.sample.fields.map(name => [name, wordOf(name)]);
+    const onChange = () => this.roll();
+    const waits = byId("scope-trigger") && asked("trigger") !== "none" && !held
+      ? "waiting for the trigger" : "";
+    const follow = ({ target }) => {
+      this.follows = target.checked;
+      this.#follow();
+    };
+    const add = () => this.add(Number(asked("new-axis")), asked("new-field"));
+    const at = this.lanes.pointer;
+    const shown = at === null ? page.row : Math.min(history.end - 1, history.find(at));
+    render([
+      row(button("scope-run", held ? "Run" : "Hold", () => (held ? this.roll() : this.hold())),
+        labelled("Window",
+          list(WINDOWS.map(s => [s, `${s} s`]), { id: "scope-window", chosen: 2, onChange })),
+        labelled("Chosen axis", tick(this.follows, follow, { id: "scope-follow" })),
+        h("details", { class: "more" },
+          h("summary", { id: "scope-more" }, "Trigger, channels, files"),
+          h("div", {},
+            row(labelled("Trigger", list(TRIGGERS, { id: "scope-trigger", onChange })),
+              list(axes, { id: "scope-axis", "aria-label": "trigger axis" }),
+              list(fields, { id: "scope-field", "aria-label": "trigger field",
+                chosen: "setpoint" }),
+              textBox("scope-level", { defaultValue: "1", "aria-label": "trigger level" }),
+              labelled("before",
+                h("input", { type: "number", id: "scope-before", min: 0, max: 100,
+                  defaultValue: 30 }), "%"),
+              labelled("again", tick(null, null, { id: "scope-again" }))),
+            row(list(axes, { id: "scope-new-axis", "aria-label": "axis of a new channel" }),
+              list(fields, { id: "scope-new-field", "aria-label": "field of a new channel" }),
+              button("scope-add", "Add channel", add), this.files))),
+        output(history.lost ? `${history.lost} samples lost` : waits, { id: "scope-lost",
+          class: history.lost ? "bad" : "" })),
+      h("div", { class: "row channels" }, this.channels.map(channel => this.#chip(channel, shown)),
+        this.overlays.map(({ recording }) => h("span", { class: "chip" }, recording.name))),
+    ], this.head);
+  }
+
+  #chip(channel, at) {
+    const { history } = this.page.machine;
+    const { axis, field, stroke, dash, on } = channel;
+    const name = nameOf(channel);
+    const quantity = quantityOf(field);
+    const value = at >= history.first ? history.value(at, history.column(axis, field)) : 0;
+    const toggle = () => {
+      channel.on = !on;
+      this.#rebuild();
+    };
+    const remove = () => this.#set(this.channels.filter(one => one !== channel));
+    return h("span", { class: "chip", key: name,
+      style: { border: `2px ${dash.length ? "dashed" : "solid"} var(${stroke})` } },
+      tick(on, toggle, { "aria-label": `show ${name}` }), name,
+      output(quantity ? this.page.units.show(axis, quantity, value) : value, {
+        "aria-label": name,
+      }), button("", "×", remove, { "aria-label": `remove ${name}` }));
   }
 
   // --- channels ---
 
   /** The usual four of the chosen axis, unless somebody chose others. */
   #follow() {
-    if (!this.followBox.checked) return;
+    if (!this.follows) return;
     this.channels = [];
-    this.list.replaceChildren();
     for (const field of SHOWN) this.#put(this.page.axis, field);
     this.#rebuild();
   }
 
   add(axis, field) {
-    this.followBox.checked = false;
     this.#put(axis, field);
+    this.#set(this.channels);
+  }
+
+  #set(channels) {
+    this.follows = false;
+    this.channels = channels;
     this.#rebuild();
   }
 
   #put(axis, field) {
-    if (this.channels.some((c) => c.axis === axis && c.field === field)) return;
-    const channel = { axis, field, on: true, value: null, ...style(this.channels.length) };
-    const name = `${wordOf(field)} ${axis}`;
-    const box = el("input", { type: "checkbox", checked: true, "aria-label": `show ${name}`,
-      onchange: () => {
-        channel.on = box.checked;
-        this.#rebuild();
-      } });
-    channel.value = el("output", { "aria-label": name });
-    const chip = el("span", { className: "chip" }, box, name, channel.value, button("", "×", () => {
-      this.followBox.checked = false;
-      this.channels = this.channels.filter((c) => c !== channel);
-      chip.remove();
-      this.#rebuild();
-    }, { "aria-label": `remove ${name}` }));
-    chip.style.borderColor = `var(${channel.stroke})`;
-    this.list.append(chip);
-    this.channels.push(channel);
+    if (this.channels.some(c => c.axis === axis && c.field === field)) return;
+    const taken = this.channels.map(c => c.n);
+    const n = [...taken.keys(), taken.length].find(one => !taken.includes(one)); // its look
+    this.channels.push({ axis, field, on: true, n, ...style(n) });
   }
 
   #rebuild() {
     this.lanes.set(this.#series());
-    this.draw();
+    this.#show();
+  }
+
+  #show() {
+    this.update();
+    this.#drawNow();
   }
 
   // --- roll, hold, trigger ---
@@ -154,15 +172,13 @@ export class Scope {
     this.held = null;
     this.fired = null;
     this.search = this.page.machine.history.end;
-    setText(this.run, "Hold");
-    this.draw();
+    this.#show();
   }
 
   hold(from, to) {
     const [a, b] = this.view();
     this.held = { from: from ?? a, to: to ?? b };
-    setText(this.run, "Run");
-    this.draw();
+    this.#show();
   }
 
   /** The view by a factor as wide, about a moment; held from then on. */
@@ -180,7 +196,7 @@ export class Scope {
 
   view() {
     if (this.held) return [this.held.from, this.held.to];
-    const width = Number(this.window.value);
+    const width = Number(asked("window"));
     const { moment, machine } = this.page;
     if (moment !== null) return [moment - width / 2, moment + width / 2];
     return [machine.history.now - width, machine.history.now];
@@ -189,32 +205,23 @@ export class Scope {
   /** Looks for the trigger in what is new; holds when all that belongs to it has come. */
   #trigger() {
     const { history } = this.page.machine;
-    if (this.kind.value === "none" || this.held) return;
-    const width = Number(this.window.value);
-    const before = (width * Number(this.pre.value)) / 100;
+    const again = byId("scope-again").checked;
+    if (asked("trigger") === "none" || (this.held && !again)) return;
+    const width = Number(asked("window"));
+    const before = (width * Number(asked("before"))) / 100;
     if (this.fired === null) {
-      const row = findTrigger(history, this.#wanted(), this.search, history.end);
+      const wanted = { kind: asked("trigger"), axis: Number(asked("axis")), field: asked("field"),
+        level: parseNumber(asked("level")) ?? 0 };
+      const at = findTrigger(history, wanted, this.search, history.end);
       this.search = history.end;
-      if (row < 0) return;
-      this.fired = history.time(row);
+      if (at < 0) return;
+      this.fired = history.time(at);
     }
     if (history.now < this.fired + width - before) return;
     this.element.dataset.fired = String(this.fired);
     const from = this.fired - before;
     this.fired = null;
-    if (this.again.checked) this.#flash(from, from + width);
-    else this.hold(from, from + width);
-  }
-
-  #wanted() {
-    return { kind: this.kind.value, axis: Number(this.triggerAxis.value),
-      field: this.triggerField.value, level: parseNumber(this.level.value) ?? 0 };
-  }
-
-  #flash(from, to) {
-    this.held = { from, to };
-    this.draw();
-    this.held = null;
+    this.hold(from, from + width);
   }
 
   /** What waveforms are asked of: cursor A, or the middle of a view that stands; null: neither. */
@@ -227,63 +234,48 @@ export class Scope {
 
   /** What is drawn: visible channels of the machine, then of each recording. */
   #series() {
-    const { history } = this.page.machine;
-    const shown = this.channels.filter((c) => c.on);
-    const series = (source, shift, prefix, overlay) => {
-      const has = ({ axis, field }) => axis < source.axes && source.fields.includes(field);
-      const name = ({ axis, field }) => `${prefix}${wordOf(field)} ${axis}`;
-      const one = (channel) => ({ source, shift, channel, overlay, name: name(channel) });
-      return shown.filter((channel) => !overlay || has(channel)).map(one);
-    };
-    const laid = this.overlays.map(({ recording: own, shift }) =>
-      series(own, shift, `${own.name}: `, true)
+    const shown = this.channels.filter(c => c.on);
+    const has = source => ({ axis, field }) => axis < source.axes && source.fields.includes(field);
+    const one = (channel, source, shift, overlay) => ({ source, shift, channel, overlay,
+      name: `${overlay}${nameOf(channel)}` });
+    const laid = this.overlays.flatMap(({ recording, shift }) =>
+      shown.filter(has(recording)).map(channel =>
+        one(channel, recording, shift, `${recording.name}: `)
+      )
     );
-    return [...series(history, 0, "", false), ...laid.flat()];
+    const own = shown.map(channel => one(channel, this.page.machine.history, 0, ""));
+    return [...own, ...laid];
   }
 
-  /** The numbers. */
-  update() {
-    const { history } = this.page.machine;
-    const { lost } = history;
-    const waits = this.kind.value !== "none" && !this.held ? "waiting for the trigger" : "";
-    setText(this.lost, lost ? `${lost} samples lost` : waits);
-    this.lost.classList.toggle("bad", lost > 0);
-    const at = this.lanes.pointer;
-    const row = at === null ? this.page.row : Math.min(history.end - 1, history.find(at));
-    for (const { axis, field, value } of this.channels) {
-      const quantity = quantityOf(field);
-      const known = row >= history.first ? history.value(row, history.column(axis, field)) : 0;
-      setText(value, quantity ? this.page.units.show(axis, quantity, known) : String(known));
-    }
-  }
-
+  /** With the other pictures. */
   draw() {
+    if (!this.held) this.#drawNow();
+  }
+
+  #drawNow() {
     if (!this.lanes.element.clientWidth) return;
     const { moment } = this.page;
-    this.lanes.marks = [
-      ...this.marks.map((t, n) => ({ t, name: "AB"[n] })).filter(({ t }) => t !== null),
-      ...(moment === null ? [] : [{ t: moment, name: "" }]),
-    ];
+    const marks = [...this.marks, moment].map((t, n) => ({ t, name: ["A", "B", ""][n] }));
+    this.lanes.marks = marks.filter(({ t }) => t !== null);
     this.lanes.draw(...this.view());
-    this.#read();
+    setText(this.reading, this.#read());
   }
 
+  /** What the channels have at the cursors. */
   #read() {
-    const at = (source, channel, t) => {
-      const row = Math.min(source.end - 1, source.find(t));
-      return row < source.first ? null
-        : source.value(row, source.column(channel.axis, channel.field));
-    };
     const [a, b] = this.marks;
-    if (a === null && b === null) return setText(this.reading, "");
+    if (a === null && b === null) return "";
+    const at = (source, { axis, field }, t) => {
+      const place = Math.min(source.end - 1, source.find(t));
+      return place < source.first ? null : source.value(place, source.column(axis, field));
+    };
     const lines = this.#series().map(({ source, shift, channel, name }) => {
-      const [va, vb] = this.marks.map((t) => (t === null ? null : at(source, channel, t - shift)));
+      const [va, vb] = this.marks.map(t => (t === null ? null : at(source, channel, t - shift)));
       const delta = va !== null && vb !== null ? `  Δ ${vb - va}` : "";
       return `${name}: A ${va ?? "–"}  B ${vb ?? "–"}${delta}`;
     });
-    if (a !== null && b !== null)
-      lines.unshift(`Δt ${((b - a) * 1000).toFixed(3)} ms, ${(1 / Math.abs(b - a)).toFixed(2)} Hz`);
-    return setText(this.reading, lines.join("\n"));
+    const both = `Δt ${((b - a) * 1000).toFixed(3)} ms, ${(1 / Math.abs(b - a)).toFixed(2)} Hz`;
+    return [...(a !== null && b !== null ? [both] : []), ...lines].join("\n");
   }
 
   // --- recordings (scope_files.js) ---
@@ -292,17 +284,12 @@ export class Scope {
   overlay(recording) {
     const [from, to] = this.view();
     this.hold(from, to);
-    const shift = recording.end ? from - recording.time(0) : 0;
-    const chip = el("span", { className: "chip overlay" }, recording.name);
-    chip.style.borderColor = colour("--line");
-    this.list.append(chip);
-    this.overlays.push({ recording, shift });
+    this.overlays.push({ recording, shift: recording.end ? from - recording.time(0) : 0 });
     this.#rebuild();
   }
 
   closeAll() {
     this.overlays = [];
-    for (const chip of this.list.querySelectorAll(".overlay")) chip.remove();
     this.#rebuild();
   }
 }

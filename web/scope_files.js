@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the scope saves, CSV by a Worker, MCAP by the designer of the same text; and opens: CSV.
 
-import { button, download, el } from "./dom.js";
-import { csvHead, Recording } from "./recording.js";
+import { byId, download } from "./dom.js";
+import { button, h } from "./html.js";
+import { csvHead, readRecording } from "./recording.js";
 
 /** The scope's buttons for files. */
 export function recordings(scope) {
   const { machine, advice } = scope.page;
-  const name = (kind) => `${machine.hello.scenario}.${kind}`;
+  const name = kind => `${machine.hello.scenario}.${kind}`;
 
   /** Gives the text of the view that is held, else of all, piece by piece to take(text, last). */
   async function write(take) {
@@ -40,7 +41,7 @@ export function recordings(scope) {
       `# ${hello.scenario}, interval ${driver.interval_us} us; encnow, setpoint, demand, error: counts, or `
       + "A/D units with that feedback; current: D/A units; vel: counts a sample\n",
     ];
-    await write((text) => parts.push(text));
+    await write(text => parts.push(text));
     download(name("csv"), new Blob(parts), "text/csv");
   }
 
@@ -48,7 +49,7 @@ export function recordings(scope) {
     const parts = [];
     await write(async (csv, last) => {
       const { base64 } = await advice.request("mcap", { csv, first: !parts.length, last });
-      parts.push(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)));
+      parts.push(Uint8Array.from(atob(base64), c => c.charCodeAt(0)));
     });
     download(name("mcap"), new Blob(parts), "application/octet-stream");
   }
@@ -56,17 +57,17 @@ export function recordings(scope) {
   async function open(files) {
     for (const file of files) {
       try {
-        scope.overlay(await Recording.of(file, file.name));
+        scope.overlay(await readRecording(file, file.name));
       } catch (error) {
         machine.say("error", error.message);
       }
     }
   }
 
-  const input = el("input", { type: "file", accept: ".csv", multiple: true, hidden: true,
-    onchange: () => open(input.files) });
   return [button("scope-save", "Save CSV", () => machine.try(saveCsv())),
     button("scope-mcap", "Save MCAP", () => machine.try(saveMcap())),
-    button("scope-open", "Open", () => input.click()), input,
+    button("scope-open", "Open", () => byId("scope-file").click()),
+    h("input", { type: "file", id: "scope-file", accept: ".csv", multiple: true, hidden: true,
+      onChange: ({ target }) => open(/** @type {any} */ (target).files) }),
     button("", "Close recordings", () => scope.closeAll())];
 }

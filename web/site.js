@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page that holds its own machine: a Worker instead of a socket. docs/use/web.md
-//
-// Address: ?scenario=NAME&seed=N (what is run), plays=0 (the machine alone, nobody moves it), paused=1 (until
-// `Run on`), speed=S (of the clock on the wall; 0: as fast as it goes), and what app.js says; #record=…: a
-// whole record, packed, is run again.
+// Of the address: docs/use/web.md, and what app.js says; #record=…: a packed record is run again.
 
 import { run } from "./app.js";
-import { askedNumber, button, byId, choice, download, el, labelled, parseInteger } from "./dom.js";
+import { askedNumber, byId, download, parseInteger } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { pack, readRecord, setupOf, unpack } from "./engine/record.js";
+import { button, h, labelled, render, textBox, typed } from "./html.js";
 
 const FIRST = "puma560";
 const FASTEST = 1000;
@@ -22,33 +20,29 @@ const isRecord = location.hash.startsWith(KEPT);
 const said = byId("said");
 const scenarios = await json("scenarios");
 let worker = null;
+let setup = null; // of what is run
 let expected = null; // hash and build of the record that is replayed
 
 async function setupNamed(name) {
-  if (scenarios.some((one) => one.name === name)) return json(`setups/${name}`);
+  if (scenarios.some(one => one.name === name)) return json(`setups/${name}`);
   throw new Error(`there is no scenario ${name} here; choose one above`);
 }
 
 /** The setup that the address asks for. Throws one sentence. */
 async function chosen() {
   if (isRecord) {
-    const record = readRecord(await unpack(location.hash.slice(KEPT.length)));
-    const setup = setupOf(record, await setupNamed(record.scenario));
-    expected = record;
-    return setup;
+    expected = readRecord(await unpack(location.hash.slice(KEPT.length)));
+    return setupOf(expected, await setupNamed(expected.scenario));
   }
-  const setup = await setupNamed(asked.get("scenario") ?? FIRST);
-  if (asked.has("seed")) {
-    setup.seed = parseInteger(asked.get("seed"), 0, Number.MAX_SAFE_INTEGER, "seed");
-    setup.data.seed = setup.seed;
-    setup.changes = { seed: setup.seed };
-  }
-  return setup;
+  const found = await setupNamed(asked.get("scenario") ?? FIRST);
+  if (!asked.has("seed")) return found;
+  const seed = parseInteger(asked.get("seed"), 0, Number.MAX_SAFE_INTEGER, "seed");
+  return { ...found, seed, data: { ...found.data, seed }, changes: { seed } };
 }
 
 /** What the Worker tells beside the messages. */
 function hear(message) {
-  if (message.type === "told") show(message);
+  if (message.type === "told") bench(message);
   else if (message.type === "record") save(message);
   else fail(message.text);
 }
@@ -60,67 +54,59 @@ function fail(text) {
 
 // --- the bench: what is run, what came of it ---
 
-const link = (changes) => {
+const link = changes => {
   const made = new URLSearchParams(asked);
   for (const [name, value] of Object.entries(changes)) made.set(name, value);
   return `${location.pathname}?${made}`;
 };
-const go = (changes) => location.assign(link({ scenario: scenario.value, ...changes }));
-const repeat = () => (isRecord ? location.reload() : go({}));
-const keep = async (text) =>
+const go = changes => location.assign(link({ scenario: byId("scenario").value, ...changes }));
+const keep = async text =>
   history.replaceState(null, "", `${location.pathname}${KEPT}${await pack(text)}`);
-const scenario = choice([], { id: "scenario", "aria-label": "scenario",
-  onchange: () => go({ scenario: scenario.value }) });
-for (const folder of new Set(scenarios.map((s) => s.folder))) {
-  const own = scenarios.filter((s) => s.folder === folder);
-  const option = (s) => el("option", { value: s.name, textContent: s.name, title: s.description });
-  scenario.append(el("optgroup", { label: folder }, ...own.map(option)));
-}
-const seed = el("input", { id: "seed", type: "text", size: 5, inputMode: "numeric",
-  onchange: () => go({ seed: seed.value }) });
-const rerun = button("again", "Run again", repeat);
-const still = asked.get("plays") === "0";
-const alone = button("alone", still ? "With its motion" : "Without its motion",
-  () => go({ plays: Number(still) }), {
-  title: "the machine as `mmcs tool` starts it: nobody moves it but you",
-});
-const permalink = el("a", { id: "permalink", textContent: "link",
-  title: "scenario and seed; once the motion is done, the whole record", onclick: (event) => {
-    if (record.disabled) return;
-    event.preventDefault();
-    worker.postMessage({ record: "link" });
-  } });
-const progress = el("output", { id: "progress" });
-const hash = el("output", { id: "hash",
-  title: "digest of every sample and of the hardware at the end" });
-const post = (wanted) => () => worker.postMessage({ record: wanted });
-const [record, log] = [
-  button("record", "Save record", post("record"), { title: "run.mmcs, for `mmcs replay`" }),
-  button("log", "Save log", post("csv")),
-];
-record.disabled = log.disabled = true;
-const file = el("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
-  onchange: async () =>
-    keep(await file.files[0].text()).then(() => location.reload(),
-      ({ message }) => fail(message)) });
-const open = button("", "Replay a record", () => file.click());
-byId("bench").append(labelled("Scenario", scenario), labelled("Seed", seed), rerun, alone,
-  permalink, record, log, open, file, progress, hash);
+const post = record => worker.postMessage({ record });
+const replay = (/** @type {any} */ { target }) =>
+  target.files[0].text().then(keep).then(() => location.reload(), ({ message }) => fail(message));
 
-function show(told) {
-  const { playing, reached, duration, speed, recorded, spoiled } = told;
-  const now = playing ? `${reached.toFixed(2)} of ${duration} s` : told.hash ? "motion done" : "";
-  progress.textContent = `${now}${speed ? `, ${speed.toFixed(1)} × real time is possible` : ""}`;
-  record.disabled = !recorded;
-  log.disabled = !told.hash;
-  if (!told.hash) return;
-  const same = expected === null ? ""
-    : told.hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`;
-  const by = expected === null || told.build === expected.build ? ""
-    : ` by build ${expected.build}, this is ${told.build}`;
-  hash.textContent = spoiled ? `no record: ${spoiled}` : `hash ${told.hash}${same}${by}`;
-  document.body.dataset.hash = told.hash;
-  document.body.dataset.speed = speed;
+/** @param {any} told by the Worker */
+function bench(told = {}) {
+  const { playing, reached, duration, speed, recorded, spoiled, hash, build } = told;
+  const folders = [...new Set(scenarios.map(one => one.folder))];
+  const option = ({ name, description }) =>
+    h("option", { value: name, title: description, selected: name === setup?.name }, name);
+  const folder = label =>
+    h("optgroup", { label }, scenarios.filter(one => one.folder === label).map(option));
+  const still = asked.get("plays") === "0";
+  const choose = { id: "scenario", "aria-label": "scenario", onChange: () => go({}) };
+  const seeds = { size: 5, inputMode: "numeric", onChange: typed(seed => go({ seed })) };
+  const alone = { title: "the machine as `mmcs tool` starts it: nobody moves it but you" };
+  const to = isRecord ? location.href
+    : link(setup ? { scenario: setup.name, seed: setup.seed } : {});
+  const pressed = event => {
+    if (!recorded) return;
+    event.preventDefault();
+    post("link");
+  };
+  const now = playing ? `${reached.toFixed(2)} of ${duration} s` : hash ? "motion done" : "";
+  const same = expected
+    && (hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`);
+  const by = expected && build !== expected.build
+    && ` by build ${expected.build}, this is ${build}`;
+  render([labelled("Scenario", h("select", choose, folders.map(folder))),
+    labelled("Seed", textBox("seed", { ...seeds, defaultValue: setup?.seed ?? "" })),
+    button("again", "Run again", () => (isRecord ? location.reload() : go({}))),
+    button("alone", still ? "With its motion" : "Without its motion",
+      () => go({ plays: Number(still) }), alone),
+    h("a", { id: "permalink", href: to, onClick: pressed,
+      title: "scenario and seed; once the motion is done, the whole record" }, "link"),
+    button("record", "Save record", () => post("record"), { title: "run.mmcs, for `mmcs replay`",
+      disabled: !recorded }), button("log", "Save log", () => post("csv"), { disabled: !hash }),
+    button("", "Replay a record", () => byId("record-file").click()),
+    h("input", { type: "file", accept: ".mmcs", hidden: true, id: "record-file",
+      onChange: replay }),
+    h("output", { id: "progress" }, now,
+      speed ? `, ${speed.toFixed(1)} × real time is possible` : ""),
+    h("output", { id: "hash", title: "digest of every sample and of the hardware at the end" },
+      spoiled ? `no record: ${spoiled}` : hash && [`hash ${hash}`, same, by])], byId("bench"));
+  if (hash) Object.assign(document.body.dataset, { hash, speed });
 }
 
 async function save({ record: made, csv, wanted }) {
@@ -149,9 +135,10 @@ function repeatMotion(page) {
     await machine.try(Promise.all(back));
     asks = false;
   };
-  machine.addEventListener("samples", again);
-  const end = () => machine.removeEventListener("samples", again);
-  for (const type of TOUCHES) document.addEventListener(type, end, { capture: true });
+  const ends = new AbortController();
+  machine.on("samples", again, { signal: ends.signal });
+  for (const type of TOUCHES)
+    document.addEventListener(type, () => ends.abort(), { capture: true });
 }
 
 /** STOP has a way of its own to the Worker: it works while this page's stream floods. */
@@ -166,21 +153,20 @@ function connectStop() {
   frame.src = "stop.html?worker";
 }
 
+bench();
 try {
   const speed = askedNumber(asked, "speed", 0, FASTEST, 1);
-  const setup = await chosen();
-  scenario.value = setup.name;
-  seed.value = String(setup.seed);
-  permalink.href = isRecord ? location.href : link({ scenario: setup.name, seed: setup.seed });
-  const options = { paused: asked.has("paused"), plays: !still };
-  const started = await startMachine(setup, options, hear);
+  setup = await chosen();
+  bench();
+  const started = await startMachine(setup, { paused: asked.has("paused"),
+    plays: asked.get("plays") !== "0" }, hear);
   worker = started.worker;
   connectStop();
   const page = run(started.carrier, { advice: new PageAdvice(), labs: () => new PageLabs() }, true,
     DEADMAN_MS);
   repeatMotion(page);
   const paced = () => page.machine.link.request("pace", { speed: speed || null });
-  if (asked.has("speed")) page.machine.addEventListener("control", paced, { once: true });
+  if (asked.has("speed")) page.machine.on("control", paced, { once: true });
 } catch (error) {
   fail(error.message);
 }

@@ -14,11 +14,11 @@ const STUCK_COUNTS = 20; // an error that friction leaves behind a stiff loop is
 const DRIVEN = [MODES.pos, MODES.vel, MODES.torq];
 const POWER = 10; // a card's light
 
-const absentCards = (machine) =>
+const absentCards = machine =>
   Object.keys(machine.inputs.find(({ name }) => name === "card_absent")?.values ?? {}).map(Number);
 
 /** The driver takes no samples while a card does not answer. */
-const takesSamples = (machine) =>
+const takesSamples = machine =>
   machine.input("cable") !== 0 && machine.input("pc_power") !== 0 && !absentCards(machine).length;
 
 /** What Enable lacks, in words; empty when it will succeed. */
@@ -29,19 +29,15 @@ export function lacks(machine) {
   if (machine.input("estop")) words.push("a released hand-held button");
   if (machine.input("cable") === 0) words.push("the ribbon cable, which is out");
   if (machine.input("pc_power") === 0) words.push("power of the card cage");
-  const silent = absentCards(machine);
   const { history, hello } = machine;
-  if (history.end > history.first && machine.input("pc_power") !== 0) {
-    for (let card = 0; card < hello.cards; card++)
-      if (!((history.lights(card) >> POWER) & 1) && !silent.includes(card)) silent.push(card);
-  }
-  if (silent.length) {
-    words.push(
-      `card${silent.length > 1 ? "s" : ""} ${silent.sort().join(" and ")}, which ${
-        silent.length > 1 ? "are" : "is"
-      } silent`,
-    );
-  }
+  const absent = absentCards(machine);
+  const isDark = card =>
+    history.now && machine.input("pc_power") !== 0 && !((history.lights(card) >> POWER) & 1);
+  const silent = [...Array(hello.cards).keys()].filter(card =>
+    absent.includes(card) || isDark(card)
+  );
+  const [s, are] = silent.length > 1 ? ["s", "are"] : ["", "is"];
+  if (silent.length) words.push(`card${s} ${silent.join(" and ")}, which ${are} silent`);
   return words;
 }
 
@@ -53,10 +49,10 @@ export function panicCauses(machine, row = machine.history.end - 1) {
   if (machine.input("cable") === 0) causes.push("the ribbon cable is out");
   if (machine.input("pc_power") === 0) causes.push("the card cage has no power");
   const off = machine.inputs.find(({ name }) => name === "axis_enable")?.values ?? {};
-  const beats = (axis) => (history.lights(axis >> 1, row) >> (6 + (axis & 1))) & 1;
-  const silent = [...Array(hello.axes).keys()].filter((axis) => off[axis] !== 0 && !beats(axis));
+  const beats = axis => (history.lights(axis >> 1, row) >> (6 + (axis & 1))) & 1;
+  const silent = [...Array(hello.axes).keys()].filter(axis => off[axis] !== 0 && !beats(axis));
   if (silent.length > 1 && silent.length === hello.axes) causes.push("no axis has a heartbeat");
-  else causes.push(...silent.map((axis) => `axis ${axis} has no heartbeat`));
+  else causes.push(...silent.map(axis => `axis ${axis} has no heartbeat`));
   return causes;
 }
 
@@ -65,11 +61,11 @@ const FAULTS = { estop: "the hand-held button was pressed", cable: "the ribbon c
 
 /** The first of the events before the end of power that explains it. */
 export function causeOf(events, t) {
-  const near = events.filter((e) => e.t >= t - BEFORE_S && e.t <= t + 0.001);
-  const of = (kind, wanted = (_) => true) => near.find((e) => e.kind === kind && wanted(e));
+  const near = events.filter(e => e.t >= t - BEFORE_S && e.t <= t + 0.001);
+  const of = (kind, wanted = _ => true) => near.find(e => e.kind === kind && wanted(e));
   const said = of("log", ({ text }) => /silent|lease|overrun|skipped|trip/.test(text));
   const fault = of("fault");
-  const named = fault && Object.keys(FAULTS).find((name) => fault.text.startsWith(name));
+  const named = fault && Object.keys(FAULTS).find(name => fault.text.startsWith(name));
   if (fault && of("panic")) return named ? FAULTS[named] : `a fault: ${fault.text}`;
   const error = of("error", ({ text }) => !text.includes("PANIC")) ?? of("error");
   if (error) return errorWords(error.value) === "PANIC" ? "PANIC" : error.text;
@@ -79,9 +75,44 @@ export function causeOf(events, t) {
   return "STOP";
 }
 
-/** The fault about the last sample, after which none came. */
-const faultThatEnded = ({ messages, history }) =>
-  messages.find(({ kind, t, left }) => kind === "fault" && !left && t >= history.now - NEAR_S);
+const say = (kind, cause, next, more = {}) => ({ kind, cause, next, ...more });
+
+/** The banner while no sample comes. */
+function frozenFor(machine, seconds, next) {
+  const { messages, history } = machine;
+  const cause = `No sample for ${seconds.toFixed(0)} s: what is shown stands still.`;
+  if (!takesSamples(machine)) return say("bad", cause, next);
+  const ended = ({ kind, t, left }) => kind === "fault" && !left && t >= history.now - NEAR_S;
+  const fault = messages.find(ended); // about the last sample
+  const busy = "The computer may be too busy, or the server hangs; STOP has a way of its own.";
+  if (!fault) return say("bad", cause, busy);
+  const before = fault.t - BEFORE_S;
+  return say("bad", `${cause} Since ${fault.t.toFixed(3)} s: ${fault.text}.`,
+    "The driver takes no samples since then. Go back before it, or start again.", { before });
+}
+
+/** The banner while the servo is on. */
+function driving(page, offer) {
+  const { machine, about } = page;
+  const { history, paused, controls } = machine;
+  const causes = panicCauses(machine).join("; ") || "cause unknown";
+  if (history.value(history.end - 1, history.linesColumn) & LINES.panic)
+    return say("bad", `PANIC: ${causes}.`, "Brakes hold. Mend the cause, then Enable.");
+  const errors = Array.from({ length: history.axes }, (_, n) => history.latest(n).errcode & 0xff);
+  const at = errors.findIndex(Boolean);
+  const wrong = `Servo on; axis ${at}: ${errorWords(errors[at])}.`;
+  if (at >= 0) return say("warn", wrong, "Clear errors once it is seen to.");
+  const ends = "Space or Escape stops.";
+  const stuck = stuckAxis(machine, about.motors);
+  const runs = paused && controls ? " Time is paused: Run on." : "";
+  if (!stuck) return say("good", "Servo on, brakes off.", `${ends}${runs}`, { offer });
+  const { axis, pushes, holds, mode } = stuck;
+  const torque = mode === MODES.torq;
+  const friction = `friction holds about ${Number(holds.toPrecision(2))}`;
+  const remedy = torque ? "Ask for more torque." : "Raise P, take the robot's gains, or tune.";
+  return say("warn", `Servo on; axis ${axis} pushes ${pushes} D/A units, ${friction}.`,
+    `${remedy} ${ends}`, { offer: !torque && page.differs(axis) });
+}
 
 /** The banner while a moment of the past is shown. */
 function pastOf({ machine, t, row }) {
@@ -89,9 +120,8 @@ function pastOf({ machine, t, row }) {
   const then = [lines & LINES.enabled ? "servo on" : "servo off",
     lines & LINES.brakes ? "brakes off" : "brakes on"];
   const now = machine.enabled ? " The machine drives now: STOP works as ever." : "";
-  return { kind: "past", cause: `The past, ${t.toFixed(3)} s: ${then.join(", ")}.`,
-    next:
-      `Nothing can be changed there.${now} "Now" shows the present, "Go back there" restores that moment.` };
+  return say("past", `The past, ${t.toFixed(3)} s: ${then.join(", ")}.`,
+    `Nothing can be changed there.${now} "Now" shows the present, "Go back there" restores that moment.`);
 }
 
 /** An axis that is to move and stands, because its loop pushes with less than static friction holds:
@@ -102,7 +132,7 @@ export function stuckAxis({ history, driver }, motors) {
   if (before >= row) return undefined;
   const stands = ({ stiction_pos, stiction_neg, km, amp_gain }, axis) => {
     const mode = (driver.params[axis]?.mode ?? 0) & MODE_MASK;
-    const [was, is] = [before, row].map((at) => history.at(axis, at));
+    const [was, is] = [before, row].map(at => history.at(axis, at));
     const far = mode === MODES.pos ? is.error : is.setpoint;
     const holds = (is.current > 0 ? stiction_pos : stiction_neg) / (km * amp_gain * DAC_V);
     const wanted = DRIVEN.includes(mode) && Math.abs(far) > (mode === MODES.pos ? STUCK_COUNTS : 0);
@@ -120,16 +150,11 @@ export function stuckAxis({ history, driver }, motors) {
 export function condition(page, now) {
   const { machine } = page;
   const { history, powerEnd, driver, paused, controls } = machine;
-  const say = (kind, cause, next, more = {}) => ({ kind, cause, next, ...more });
-  if (!machine.connected) {
-    return say("bad", "Not connected to the machine.",
-      "A page that controlled it has stopped it by its end. Trying again every second.");
-  }
-  if (!machine.stopPath) {
-    return say("bad", "No STOP: its frame is not connected.",
-      "Control waits for it. Load the page by the address that mmcs tool printed.");
-  }
-  if (history.end === history.first)
+  const ended = "A page that controlled it has stopped it by its end. Trying again every second.";
+  if (!machine.connected) return say("bad", "Not connected to the machine.", ended);
+  const waits = "Control waits for it. Load the page by the address that mmcs tool printed.";
+  if (!machine.stopPath) return say("bad", "No STOP: its frame is not connected.", waits);
+  if (!history.now)
     return say("rest", "No sample yet.", "Time passes while somebody has the device open.");
   if (page.past) return pastOf(page);
   const missing = lacks(machine);
@@ -137,44 +162,9 @@ export function condition(page, now) {
   const next = missing.length ? `Enable lacks ${missing.join("; ")}.`
     : "Enable (E, then Enter) drives and opens the brakes.";
   const frozen = now - machine.heard;
-  if (!paused && frozen > FROZEN_MS) {
-    const fault = faultThatEnded(machine);
-    const cause = `No sample for ${(frozen / 1000).toFixed(0)} s: what is shown stands still.`;
-    if (!takesSamples(machine)) return say("bad", cause, next);
-    if (!fault) {
-      return say("bad", cause,
-        "The computer may be too busy, or the server hangs; STOP has a way of its own.");
-    }
-    return say("bad", `${cause} Since ${fault.t.toFixed(3)} s: ${fault.text}.`,
-      "The driver takes no samples since then. Go back before it, or start the machine again.", {
-      before: fault.t - BEFORE_S,
-    });
-  }
-  const lines = history.value(history.end - 1, history.linesColumn);
-  if (lines & LINES.enabled) {
-    const causes = panicCauses(machine).join("; ") || "cause unknown";
-    if (lines & LINES.panic)
-      return say("bad", `PANIC: ${causes}.`, "Brakes hold. Mend the cause, then Enable.");
-    const errors = Array.from({ length: history.axes }, (_, n) => history.latest(n).errcode & 0xff);
-    const at = errors.findIndex(Boolean);
-    if (at >= 0) {
-      return say("warn", `Servo on; axis ${at}: ${errorWords(errors[at])}.`,
-        "Clear errors once it is seen to.");
-    }
-    const stuck = stuckAxis(machine, page.about.motors);
-    const ends = "Space or Escape stops.";
-    if (!stuck) {
-      return say("good", "Servo on, brakes off.",
-        `${ends}${paused && controls ? " Time is paused: Run on." : ""}`, { offer });
-    }
-    const { axis, pushes, holds, mode } = stuck;
-    const torque = mode === MODES.torq;
-    const friction = `friction holds about ${Number(holds.toPrecision(2))}`;
-    return say("warn", `Servo on; axis ${axis} pushes ${pushes} D/A units, ${friction}.`,
-      `${torque ? "Ask for more torque." : "Raise P, take the robot's gains, or tune."} ${ends}`, {
-      offer: !torque && page.differs(axis),
-    });
-  }
+  if (!paused && frozen > FROZEN_MS) return frozenFor(machine, frozen / 1000, next);
+  if (history.value(history.end - 1, history.linesColumn) & LINES.enabled)
+    return driving(page, offer);
   if (powerEnd === null) return say("rest", "At rest, brakes on.", next, { offer });
   const why = causeOf(machine.messages.slice(-RECENT).filter(({ left }) => !left), powerEnd);
   return say("warn", `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next, { offer });

@@ -20,8 +20,8 @@ function connectWorker() {
   window.addEventListener("message", ({ source, data, ports }) => {
     if (source !== window.parent || data !== "port" || socket) return;
     const [port] = ports;
-    socket = { readyState: WebSocket.OPEN, send: (text) => port.postMessage(text) };
-    port.onmessage = (message) => hear(JSON.parse(message.data));
+    socket = { readyState: WebSocket.OPEN, send: text => port.postMessage(text) };
+    port.onmessage = message => hear(JSON.parse(message.data));
     setInterval(() => port.postMessage("state"), LOOK_MS);
   });
   window.parent.postMessage("stop frame", location.origin);
@@ -38,7 +38,7 @@ function connect() {
     say("No stop path: the stop process is gone. Use the switch of your power supply.");
     setTimeout(connect, RETRY_MS);
   };
-  socket.onmessage = (message) => hear(JSON.parse(message.data));
+  socket.onmessage = message => hear(JSON.parse(message.data));
 }
 
 function order(what) {
@@ -49,20 +49,18 @@ function order(what) {
 }
 
 function hear(message) {
-  if (message.failed) {
-    last = `${message.order}: ${message.failed}`;
-    say(last);
-  } else if (message.answer) {
+  if ("state" in message) return show(message.state);
+  if (message.failed) last = `${message.order}: ${message.failed}`;
+  else {
     const [done, at] = message.answer.split(" ");
     const late = pending ? performance.now() - pending : message.ms;
     pending = 0;
     last = `${done} at ${Number(at).toFixed(3)} s, ${late.toFixed(0)} ms after the press`;
-    say(last);
-    document.body.dataset.count = String(Number(document.body.dataset.count ?? 0) + 1);
-    document.body.dataset.late = late.toFixed(1);
-  } else if ("state" in message) {
-    show(message.state);
+    const { dataset } = document.body;
+    dataset.count = String(Number(dataset.count ?? 0) + 1);
+    dataset.late = late.toFixed(1);
   }
+  return say(last);
 }
 
 /** The page around takes no control without a STOP. */
@@ -73,14 +71,11 @@ function tell(stopPath) {
 function show(state) {
   tell(Boolean(state));
   document.body.classList.toggle("stopped", Boolean(state?.stopped));
-  if (!state) {
-    say("The machine does not answer.");
-    return;
-  }
+  if (!state) return say("The machine does not answer.");
   press.setAttribute("aria-pressed", String(Boolean(state.button)));
   press.textContent = state.button ? "Release the button" : "Hand-held button";
   const now = state.enabled ? "servo on" : state.stopped ? "stopped" : "servo off";
-  if (!pending) say(last ? `${now}; last: ${last}` : now);
+  return pending || say(last ? `${now}; last: ${last}` : now);
 }
 
 function say(text) {
@@ -88,22 +83,19 @@ function say(text) {
 }
 
 stop.addEventListener("pointerdown", () => order("stop"));
-stop.addEventListener("keydown", (event) => {
-  if (event.key === "Enter") order("stop");
-});
+stop.addEventListener("keydown", ({ key }) => key === "Enter" && order("stop"));
 press.addEventListener("click",
   () => order(press.getAttribute("aria-pressed") === "true" ? "release" : "press"));
-document.addEventListener("keydown", (event) => {
+document.addEventListener("keydown", event => {
   if (event.code !== "Space" && event.key !== "Escape") return;
   event.preventDefault();
   if (!event.repeat) order("stop");
 });
-document.addEventListener("keyup", (event) => {
+document.addEventListener("keyup", event => {
   if (event.code === "Space") event.preventDefault(); // it would press the button that has the focus
 });
-window.addEventListener("message", (event) => {
-  if (event.source === window.parent && event.data === "stop") order("stop");
-});
+window.addEventListener("message",
+  ({ source, data }) => source === window.parent && data === "stop" && order("stop"));
 
 if (new URLSearchParams(location.search).has("worker")) connectWorker();
 else connect();

@@ -5,7 +5,7 @@ import { h } from "./html.js";
 import { errorWords, isBounded, MODE_NAMES, modeName } from "./params.js";
 import { LINES } from "./samples.js";
 
-export const tiles = (page) =>
+export const tiles = page =>
   page.axes.filter(({ param }) => param).map(({ number }) => tile(page, number));
 
 function tile(page, axis) {
@@ -19,7 +19,7 @@ function tile(page, axis) {
   const lines = history.value(row, history.linesColumn);
   const now = history.at(axis, row);
   const param = { ...machine.driver.params[axis], mode: page.modeWord(axis) };
-  const [place, amps] = ["position", "current"].map((quantity) => units.scale(axis, quantity).unit);
+  const [place, amps] = ["position", "current"].map(quantity => units.scale(axis, quantity).unit);
   const show = (quantity, value) => units.show(axis, quantity, value);
   const share = param.ilim ? Math.min(1, Math.abs(now.current) / param.ilim) : 0;
   const bounded = isBounded(param);

@@ -12,9 +12,9 @@ export function findTrigger(history, { kind, axis, field, level }, from, to) {
   if (kind === "panic") return crossing(history, history.linesColumn, start, to, panicked);
   if (kind === "error") {
     const columns = Array.from({ length: history.axes }, (_, n) => history.column(n, "errcode"));
-    const rows = columns.map((column) =>
+    const rows = columns.map(column =>
       crossing(history, column, start, to, (was, is) => !(was & 255) && is & 255)
-    ).filter((row) => row >= 0);
+    ).filter(row => row >= 0);
     return rows.length ? Math.min(...rows) : -1;
   }
   const edge = kind === "rise" ? (was, is) => was < level && is >= level

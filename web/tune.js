@@ -1,145 +1,114 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step response, Bode plot and auto-tune of one axis, beside what the design predicts.
 
-import { button, colour, download, el, labelled, parseNumber, setText } from "./dom.js";
+import { byId, colour, download, el, parseInteger, parseNumber } from "./dom.js";
+import { button, cells, h, labelled, render, row, textBox } from "./html.js";
 import uPlot from "./lib/uplot/uPlot.esm.js";
+import { INT_MAX, INT_MIN } from "./params.js";
 
 const STEP_S = 0.6; // of a step, recorded
 const LONGEST_MS = 600_000; // that it may take on a slow computer
+const FIELDS = { wn: "bandwidth, rad/s", zeta: "damping", half: "safe counts to each side" };
 
 export function tuneView(page) {
   const { machine, advice } = page;
-  const named = el("b", { id: "tune-axis" });
-  const number = (id, value, name) =>
-    el("input", { type: "text", size: 6, value, id, "aria-label": name });
-  const size = number("step-size", "200", "step, counts");
-  const wn = number("tune-wn", "50", "bandwidth, rad/s");
-  const zeta = number("tune-zeta", "1", "damping");
-  const half = number("tune-half", "2000", "safe counts to each side");
-  const result = el("div", { id: "tune-result" });
-  const progress = el("p", { id: "tune-progress", role: "status" });
-  const plots = el("div", { className: "plots" });
-  const verdict = el("p", { id: "tune-verdict", className: "verdict", role: "status" });
   const motors = new Map(); // axis -> {motor, away, wn, zeta}: as identified, and what was asked
-  let before = null; // {axis, param}: what auto-tune found
-  let tuned = null; // and what it made
-  advice.addEventListener("progress", ({ detail }) => {
-    if (detail.text) setText(progress, detail.text);
-    if (detail.lend) machine.lend(detail.lend);
+  const state = { progress: "", verdict: "", fine: null, rows: {}, before: null, tuned: null,
+    undo: false, keep: false }; // before, tuned: {axis, param}: what auto-tune found and made
+  const head = el("div", { className: "head" });
+  const plots = el("div", { className: "plots" });
+  const put = values => {
+    Object.assign(state, values);
+    page.changed();
+  };
+  advice.on("progress", ({ text, lend }) => {
+    if (text) put({ progress: text });
+    if (lend) machine.ask("lease", { give: lend }); // until reclaim()
   });
 
-  /** What was typed into some of the fields, by name; null, and a line, if one is no number. */
-  function typed(fields) {
-    const values = Object.entries(fields).map(([name, { value }]) => [name, parseNumber(value)]);
-    const bad = fields[values.find(([, value]) => value === null)?.[0]];
-    if (!bad) return Object.fromEntries(values);
-    machine.say("error", `${bad.getAttribute("aria-label")}: "${bad.value}" is no number`);
-    return null;
+  /** What was typed into some of the fields, by name. Throws one sentence. */
+  function typed(...names) {
+    return Object.fromEntries(names.map(name => {
+      const { value } = byId(`tune-${name}`);
+      if (parseNumber(value) === null) throw new Error(`${FIELDS[name]}: "${value}" is no number`);
+      return [name, parseNumber(value)];
+    }));
   }
 
+  const typedStep = () => parseInteger(byId("step-size").value, INT_MIN, INT_MAX, "step, counts");
+
   async function experiment(op, args) {
-    if (!machine.controls) return machine.say("error", "take control first");
-    if (!machine.enabled) return machine.say("error", "enable the machine first");
+    if (!machine.enabled) throw new Error("enable the machine first");
     advice.pulse(machine.hangs_ms);
     try {
-      return await machine.try(
-        advice.request(op, { ...args, lender: machine.hello.you, deadman_ms: machine.deadman_ms }),
-      );
+      return await advice.request(op, { ...args, axis: page.axis, lender: machine.hello.you,
+        deadman_ms: machine.deadman_ms });
     } finally {
       advice.pulse(0);
-      setText(progress, "");
+      put({ progress: "" });
       await machine.reclaim();
       await machine.read();
     }
   }
 
   async function tune() {
-    const chosen = page.axis;
-    const asked = typed({ wn, zeta, half });
-    const done = asked && (await experiment("tune", { axis: chosen, ...asked }));
-    if (!done) return;
-    motors.set(chosen, { motor: done.motor, away: done.break_away, wn: asked.wn,
-      zeta: asked.zeta });
-    const { motor, step, predicted, margins, gains } = done;
-    before = { axis: chosen, param: done.before };
-    tuned = { axis: chosen, param: done.param };
-    undo.hidden = !done.fine;
-    keep.hidden = done.fine;
-    save.hidden = false;
-    judged(done.fine,
-      `${done.verdict}${done.fine ? "" : " The axis has its old parameters again."}`);
+    const { axis } = page;
+    const asked = typed("wn", "zeta", "half");
+    const done = await experiment("tune", asked);
+    const { motor, step, predicted, margins, gains, fine } = done;
+    motors.set(axis, { ...asked, motor, away: done.break_away });
     const [coulomb, pid] = [
-      [motor.tc_pos, motor.tc_neg, done.break_away].map((units) => units.toFixed(0)),
+      [motor.tc_pos, motor.tc_neg, done.break_away].map(units => units.toFixed(0)),
       [gains.p.toFixed(2), gains.i.toFixed(1), gains.d.toFixed(3), (gains.tau * 1000).toFixed(2)],
     ];
-    table({ ...figures(step, predicted), "g, counts/s² per D/A unit": motor.g.toFixed(2),
-      "viscous, 1/s": motor.lag.toFixed(2),
-      "Coulomb +, −, break-away, D/A units": coulomb.join(", "),
-      "fit of the motion": motor.fit.toFixed(3), "P, I, D, filter in ms": pid.join(", "),
-      "phase margin": `${margins.phase_deg.toFixed(0)}°` });
-    plots.replaceChildren();
+    put({ before: { axis, param: done.before }, tuned: { axis, param: done.param }, undo: fine,
+      keep: !fine, fine,
+      verdict: `${done.verdict}${fine ? "" : " The axis has its old parameters again."}`,
+      rows: { ...figures(step, predicted), "g, counts/s² per D/A unit": motor.g.toFixed(2),
+        "viscous, 1/s": motor.lag.toFixed(2),
+        "Coulomb +, −, break-away, D/A units": coulomb.join(", "),
+        "fit of the motion": motor.fit.toFixed(3), "P, I, D, filter in ms": pid.join(", "),
+        "phase margin": `${margins.phase_deg.toFixed(0)}°` } });
     beside(step, predicted);
   }
 
-  function judged(fine, text) {
-    verdict.className = `verdict ${fine ? "good" : "bad"}`;
-    setText(verdict, `${fine ? "✓" : "✗"} ${text}`);
-  }
-
   /** Parameters as they were before auto-tune, or as it made them. */
-  async function put({ axis: which, param: all }, told) {
-    if (!machine.controls) return machine.say("error", "take control first");
-    const { which: _, ...param } = all;
-    if ((await machine.try(machine.change(which, param))) === null) return undefined;
-    verdict.className = "verdict";
-    undo.hidden = !keep.hidden;
-    keep.hidden = !undo.hidden;
-    return setText(verdict, `Axis ${which} has ${told}.`);
+  async function take({ axis, param: { which: _, ...param } }, told, undo) {
+    await machine.change(axis, param);
+    put({ undo, keep: !undo, fine: null, verdict: `Axis ${axis} has ${told}.` });
   }
 
   /** As a scenario has them: [[servo]] of docs/use/scenarios.md. */
-  function toml() {
-    const { mode, ...numbers } = tuned.param;
+  function save() {
+    const { axis, param: { mode: _, ...numbers } } = state.tuned;
     const lines = Object.entries(numbers).map(([name, value]) => `${name} = ${value}`);
-    return ["[[servo]]", `axis = ${tuned.axis}`, 'mode = "position"', 'flags = ["coulcomp"]',
-      ...lines, ""].join("\n");
+    const head_ = `[[servo]]\naxis = ${axis}\nmode = "position"\nflags = ["coulcomp"]\n`;
+    download(`axis${axis}.toml`, `${head_}${lines.join("\n")}\n`, "text/plain");
   }
+
+  const known = axis => ({ ...motors.get(axis), param: machine.driver.params[axis],
+    interval_s: page.interval_s(axis) });
 
   /** A step there, recorded from the stream, beside the prediction. */
   async function makeStep() {
-    const chosen = page.axis;
-    const counts = parseNumber(size.value);
-    if (!machine.controls) return machine.say("error", "take control first");
-    if (!Number.isInteger(counts))
-      return machine.say("error", `"${size.value}" is no step in counts`);
+    const { axis } = page;
+    const size = typedStep();
     const { history } = machine;
-    const from = history.latest(chosen).setpoint;
+    const from = history.latest(axis).setpoint;
     const start = history.now;
-    if ((await machine.try(machine.setSetpoint(chosen, from + counts).then(() => true))) === null)
-      return undefined;
+    await machine.setSetpoint(axis, from + size);
     await machine.seen(() => history.now > start + STEP_S, LONGEST_MS);
-    const done = await machine.try(advice.request("judge", {
-      ...stepRows(history, chosen, start, from, counts),
-      ...motors.get(chosen), // without them: figures, and no verdict
-      size: counts,
-      param: machine.driver.params[chosen],
-      interval_s: page.interval_s(chosen),
-    }));
-    if (!done) return undefined;
-    if (done.verdict) judged(done.fine, done.verdict);
-    const made = await predict(chosen, { step: counts, seconds: done.t.at(-1) });
-    table(figures(done, made));
-    plots.replaceChildren();
-    return beside(done, made);
+    const done = await advice.request("judge", { ...stepRows(history, axis, start, from, size),
+      ...known(axis), size }); // without a motor: figures, and no verdict
+    if (done.verdict) put({ fine: done.fine, verdict: done.verdict });
+    const made = await predict(axis, { step: size, seconds: done.t.at(-1) });
+    put({ rows: figures(done, made) });
+    beside(done, made);
   }
 
   /** What Python expects of an axis, once its motor is known. */
-  async function predict(chosen, more) {
-    const known = motors.get(chosen);
-    if (!known) return null;
-    const param = machine.driver.params[chosen];
-    const asked = { param, ...known, interval_s: page.interval_s(chosen), ...more };
-    return machine.try(advice.request("predict", asked));
+  async function predict(axis, more = {}) {
+    return motors.has(axis) ? advice.request("predict", { ...known(axis), ...more }) : null;
   }
 
   /** Curves [x, y]: what was measured and, where the motor is known, what was to be expected. */
@@ -156,69 +125,71 @@ export function tuneView(page) {
       uPlot.join([measured, ...(expected ? [expected] : [])]), plots);
   }
 
-  const beside = (step, expected) =>
+  function beside(step, expected) {
+    plots.replaceChildren();
     plot("counts", [step.t, step.y], expected && [expected.t, expected.y]);
+  }
 
   async function bode() {
-    const chosen = page.axis;
-    const asked = typed({ size });
-    const made = asked
-      && (await experiment("chirp", { axis: chosen, amplitude: Math.abs(asked.size) / 2, low: 1,
-        high: 40, seconds: 12 }));
-    if (!made) return;
+    const { axis } = page;
+    const chirp = { amplitude: Math.abs(typedStep()) / 2, low: 1, high: 40, seconds: 12 };
+    const { hz, gain_db, phase_deg, coherence } = await experiment("chirp", chirp);
     plots.replaceChildren();
-    const model = await predict(chosen);
-    plot("dB", [made.hz, made.gain_db], model && [model.hz, model.bode_db], true);
-    plot("°", [made.hz, made.phase_deg], model && [model.hz, model.bode_deg], true);
-    plot("coherence", [made.hz, made.coherence], null, true);
+    const model = await predict(axis);
+    plot("dB", [hz, gain_db], model && [model.hz, model.bode_db], true);
+    plot("°", [hz, phase_deg], model && [model.hz, model.bode_deg], true);
+    plot("coherence", [hz, coherence], null, true);
   }
 
-  function table(rows) {
-    const line = ([name, value]) => el("tr", {}, el("td", {}, name), el("td", {}, String(value)));
-    result.replaceChildren(el("table", {}, ...Object.entries(rows).map(line)));
-  }
-
-  const undo = button("tune-undo", "Undo", () => put(before, "its old parameters again"));
-  const keep = button("tune-keep", "Keep all the same",
-    () => put(tuned, "the parameters that auto-tune made"));
-  const save = button("tune-save", "Save as TOML",
-    () => download(`axis${tuned.axis}.toml`, toml(), "text/plain"));
-  undo.hidden = keep.hidden = save.hidden = true;
-  const update = () => setText(named, `Axis ${page.axis}`);
-  const element = el("div", { className: "tune" },
-    el("div", { className: "row" }, named, labelled("Step", size, "counts"),
-      button("step-go", "Step", makeStep), button("bode-go", "Bode plot", bode)),
-    el("div", { className: "row" }, labelled("Bandwidth", wn, "rad/s"), labelled("Damping", zeta),
-      labelled("Safe range ±", half, "counts"), button("tune-go", "Auto-tune", tune), undo, keep,
-      save),
-    el("p", {},
-      "Auto-tune moves the axis within the safe range about where it stands, in torque "
-        + "mode; STOP ends it. Gains and friction compensation whose step does what is asked stay, and the "
-        + "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
-    progress, verdict, result, plots);
-  return { title: "Tune", element, shown: update, update, changes: true };
+  const does = act => () =>
+    machine.try(machine.controls ? act() : Promise.reject(new Error("take control first")));
+  const number = (name, value) =>
+    textBox(`tune-${name}`, { defaultValue: value, "aria-label": FIELDS[name] });
+  const update = () => {
+    const { progress, verdict, fine, rows, before, tuned, undo, keep } = state;
+    const good = fine === null ? "" : fine ? "good" : "bad";
+    render([
+      row(h("b", {}, `Axis ${page.axis}`),
+        labelled("Step",
+          textBox("step-size", { defaultValue: "200", "aria-label": "step, counts" }), "counts"),
+        button("step-go", "Step", does(makeStep)), button("bode-go", "Bode plot", does(bode))),
+      row(labelled("Bandwidth", number("wn", "50"), "rad/s"),
+        labelled("Damping", number("zeta", "1")),
+        labelled("Safe range ±", number("half", "2000"), "counts"),
+        button("tune-go", "Auto-tune", does(tune)), undo && button("tune-undo", "Undo", does(() =>
+          take(before, "its old parameters again", false)
+        )), keep && button("tune-keep", "Keep all the same", does(() =>
+          take(tuned, "the parameters that auto-tune made", true)
+        )), tuned && button("tune-save", "Save as TOML", save)),
+      h("p", {},
+        "Auto-tune moves the axis within the safe range about where it stands, in torque "
+          + "mode; STOP ends it. Gains and friction compensation whose step does what is asked stay, and the "
+          + "axis is in Pos; else it has its old parameters again. Time goes on from look to look meanwhile."),
+      h("p", { id: "tune-progress", role: "status" }, progress),
+      h("p", { id: "tune-verdict", class: `verdict ${good}`, role: "status" },
+        fine === null ? verdict : `${fine ? "✓" : "✗"} ${verdict}`),
+      h("table", { id: "tune-result" }, cells(Object.entries(rows))),
+    ], head);
+  };
+  return { title: "Tune", element: el("div", { className: "tune" }, head, plots), update,
+    changes: true };
 }
 
 function figures(measured, predicted) {
   const say = (value, unit) =>
     (value === null || value === undefined) ? "never" : `${value} ${unit}`;
-  const row = (name, unit) =>
+  const words = (name, unit) =>
     say(measured[name], unit)
     + (predicted && name in predicted ? `  (${say(predicted[name], unit)} predicted)` : "");
-  return { rise: row("rise_ms", "ms"), overshoot: row("overshoot_pct", "%"),
-    settling: row("settle_ms", "ms"), "steady error": row("steady_error_counts", "counts") };
+  return { rise: words("rise_ms", "ms"), overshoot: words("overshoot_pct", "%"),
+    settling: words("settle_ms", "ms"), "steady error": words("steady_error_counts", "counts") };
 }
 
 /** Times, counts from the old setpoint on, and currents of a step that the driver has taken. */
 function stepRows(history, axis, since, from, size) {
-  const columns = ["setpoint", "encnow", "current"].map((field) => history.column(axis, field));
-  let first = history.find(since);
-  while (first < history.end && history.value(first, columns[0]) !== from + size) first++;
-  const rows = { t: [], y: [], u: [] };
-  for (let row = first; row < history.end; row++) {
-    rows.t.push(history.time(row));
-    rows.y.push(history.value(row, columns[1]) - from);
-    rows.u.push(history.value(row, columns[2]));
-  }
-  return rows;
+  const rows = history.rows(history.find(since));
+  const of = field => rows.map(at => history.value(at, history.column(axis, field)));
+  const first = of("setpoint").indexOf(from + size);
+  return { t: rows.map(at => history.time(at)).slice(first), u: of("current").slice(first),
+    y: of("encnow").slice(first).map(count => count - from) };
 }

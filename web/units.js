@@ -4,10 +4,12 @@
 // quantity: position (counts), current and code (D/A units), adc (A/D units). A number that is shown is
 // the driver's times `by`; what is typed is divided by it and rounded to what the driver can have.
 
+import { Source } from "./dom.js";
+
 export const DAC_V = 10 / 2048; // ±10 V
 const OWN = { position: "counts", current: "D/A units", code: "D/A units", adc: "A/D units" };
 
-export class Units extends EventTarget {
+export class Units extends Source {
   constructor(motors = []) {
     super();
     this.motors = motors;
@@ -16,7 +18,7 @@ export class Units extends EventTarget {
 
   set(physical) {
     this.physical = physical;
-    this.dispatchEvent(new CustomEvent("change"));
+    this.tell("change");
   }
 
   /** {by, unit, digits} of a quantity of an axis. */

@@ -12,7 +12,7 @@ export class Net {
     this.clocks = clocks;
     const mask = width === 32 ? 0xffffffff : 2 ** width - 1;
     const sign = 2 ** (width - 1);
-    this.values = values.map((value) => {
+    this.values = values.map(value => {
       const own = (value & mask) >>> 0;
       return form === "signed" && own >= sign ? own - 2 * sign : own;
     });
@@ -60,7 +60,7 @@ export class Waves {
     this.to = to;
     let at = 0;
     this.groups = groups.map(({ name, signals }) => ({ name,
-      nets: signals.map((signal) => new Net(signal, nets[at++])) })
+      nets: signals.map(signal => new Net(signal, nets[at++])) })
     );
   }
 
@@ -73,7 +73,7 @@ export class Waves {
 export function tickStep(span, count) {
   const rough = span / count;
   const power = 10 ** Math.floor(Math.log10(rough));
-  return [1, 2, 5, 10].find((n) => n * power >= rough * 0.999) * power;
+  return [1, 2, 5, 10].find(n => n * power >= rough * 0.999) * power;
 }
 
 /** A time difference as people say it. */
@@ -84,4 +84,4 @@ export function duration(s) {
   return `${trim(s * 1e3)} ms`;
 }
 
-const trim = (x) => String(Number(x.toFixed(3)));
+const trim = x => String(Number(x.toFixed(3)));

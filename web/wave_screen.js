@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nets drawn on a canvas: names and values at the left, time across. It keeps nothing but what it drew.
 
+import { colour } from "./dom.js";
 import { duration, tickStep } from "./wave_data.js";
 
 const ROW = 19;
@@ -57,16 +58,10 @@ export class WaveScreen {
     canvas.width = Math.round(width * scale);
     canvas.height = Math.round(laid.height * scale);
     const c = canvas.getContext("2d");
-    const style = getComputedStyle(document.body);
-    const colour = (name, other) => style.getPropertyValue(name).trim() || other;
-    this.ink = colour("--ink", "#1a1a1a");
-    this.soft = colour("--soft", "#666");
-    this.line = colour("--line", "#c9c9c2");
-    this.wave = colour("--good", "#0072b2");
     c.scale(scale, scale);
     c.font = FONT;
     c.textBaseline = "middle";
-    c.fillStyle = colour("--sheet", "#fff");
+    c.fillStyle = colour("--sheet");
     c.fillRect(0, 0, width, laid.height);
     this.#scale(c, waves, sheet.scrollTop, laid.height, zero);
     for (const row of laid.rows) {
@@ -82,26 +77,21 @@ export class WaveScreen {
     const { from, to } = this.view;
     const room = this.canvas.clientWidth - this.namesWidth;
     const step = tickStep((to - from) / waves.clk_hz, Math.max(2, room / 90));
-    const seconds = (clock) => (clock - zero) / waves.clk_hz;
-    c.strokeStyle = this.line;
-    c.fillStyle = this.soft;
+    const seconds = clock => (clock - zero) / waves.clk_hz;
+    c.strokeStyle = colour("--line");
+    c.fillStyle = colour("--soft");
     for (let n = Math.ceil(seconds(from) / step); n * step <= seconds(to); n++) {
       const x = Math.round(this.x(zero + n * step * waves.clk_hz)) + 0.5;
       line(c, [[x, top + HEAD - 4], [x, height]]);
       c.fillText(n ? duration(n * step) : "0", x + 2, top + HEAD / 2);
     }
-    c.beginPath();
-    c.rect(0, top + HEAD, this.canvas.clientWidth, height);
-    c.clip();
+    clip(c, 0, top + HEAD, this.canvas.clientWidth, height);
   }
 
   #text(c, text, x, row, room, strong) {
-    c.save();
-    c.beginPath();
-    c.rect(0, row.top, room, row.height);
-    c.clip();
+    clip(c, 0, row.top, room, row.height);
     c.font = strong ? `bold ${FONT}` : FONT;
-    c.fillStyle = this.ink;
+    c.fillStyle = colour("--ink");
     c.fillText(text, x, row.top + row.height / 2);
     c.restore();
   }
@@ -110,46 +100,41 @@ export class WaveScreen {
     const { net, top, height } = row;
     const room = this.namesWidth;
     if (selected) {
-      c.fillStyle = this.line;
+      c.fillStyle = colour("--line");
       c.fillRect(0, top, room - 2, height);
     }
     const value = net.text(net.at(at));
     const width = Math.min(c.measureText(value).width, room / 2);
     this.#text(c, net.name, 10, row, room - width - 12, false);
-    c.fillStyle = this.wave;
+    c.fillStyle = colour("--good");
     c.textAlign = "right";
     c.fillText(value, room - 6, top + height / 2, room / 2);
     c.textAlign = "left";
-    c.save();
-    c.beginPath();
-    c.rect(room, top, this.canvas.clientWidth - room, height);
-    c.clip();
-    c.strokeStyle = c.fillStyle = this.wave;
+    clip(c, room, top, this.canvas.clientWidth - room, height);
+    c.strokeStyle = c.fillStyle = colour("--good");
     if (net.width === 1 || net.curve) this.#steps(c, net, top + INSET, height - 2 * INSET);
     else this.#bus(c, net, top + INSET, height - 2 * INSET);
     c.restore();
   }
 
-  /** Changes within the view: {x, value}, many of a pixel as one; and where the view ends. */
+  /** Changes within the view: {x, value}, many of a pixel as one, from low to high. */
   #changes(net) {
     const { from, to } = this.view;
-    const made = [{ x: this.namesWidth, value: net.at(from), low: net.at(from),
-      high: net.at(from) }];
+    const first = net.at(from);
+    const made = [{ x: this.namesWidth, value: first, low: first, high: first }];
     for (let n = net.find(from) + 1; n < net.clocks.length && net.clocks[n] <= to; n++) {
       const x = Math.round(this.x(net.clocks[n])) + 0.5;
       const value = net.values[n];
-      const last = made.at(-1);
-      if (last.x === x && made.length > 1) {
-        Object.assign(last, { value, low: Math.min(last.low, value),
-          high: Math.max(last.high, value) });
-      } else { made.push({ x, value, low: value, high: value }); }
+      const { low, high } = made.length > 1 && made.at(-1).x === x ? made.pop()
+        : { low: value, high: value };
+      made.push({ x, value, low: Math.min(low, value), high: Math.max(high, value) });
     }
     return made;
   }
 
   #steps(c, net, top, height) {
     const [low, high] = net.curve ? [net.low, net.high] : [0, 1];
-    const y = (value) => top + height - (high > low ? (value - low) / (high - low) : 0.5) * height;
+    const y = value => top + height - (high > low ? (value - low) / (high - low) : 0.5) * height;
     const made = this.#changes(net);
     const points = [];
     made.forEach(({ x, value, low: least, high: most }, n) => {
@@ -167,10 +152,9 @@ export class WaveScreen {
       const end = made[n + 1]?.x ?? this.canvas.clientWidth + 4;
       const slant = Math.min(2, (end - x) / 2);
       const left = n ? x + slant : x;
-      line(c, [[x, top + height / 2], [left, top], [end - slant, top], [end, top + height / 2], [
-        end - slant,
-        top + height,
-      ], [left, top + height], [x, top + height / 2]]);
+      const [middle, right, low] = [top + height / 2, end - slant, top + height];
+      line(c, [[x, middle], [left, top], [right, top], [end, middle], [right, low], [left, low], [x,
+        middle]]);
       const text = net.text(value);
       const seen = Math.min(end, this.canvas.clientWidth) - x;
       if (c.measureText(text).width < seen - 6) c.fillText(text, x + 4, top + height / 2 + 0.5);
@@ -181,12 +165,20 @@ export class WaveScreen {
     const x = this.x(clock);
     if (x < this.namesWidth) return;
     c.save();
-    c.strokeStyle = c.fillStyle = this.ink;
+    c.strokeStyle = c.fillStyle = colour("--ink");
     c.setLineDash(name ? [4, 4] : []);
     line(c, [[x, top], [x, height]]);
     if (name) c.fillText(name, x + 2, top + HEAD + 7);
     c.restore();
   }
+}
+
+/** Draws there only, until restore(). */
+function clip(c, ...room) {
+  c.save();
+  c.beginPath();
+  c.rect(...room);
+  c.clip();
 }
 
 function line(c, points) {

@@ -2,7 +2,8 @@
 // Waveforms of the milliseconds around a moment: VME, PC bus, card 0, from a machine that goes through
 // them again with its nets watched (web/engine/past.js; of a served machine, mmcs/tool/moment.py).
 
-import { button, el, gestures, labelled, parseNumber, setText } from "./dom.js";
+import { el, gestures, parseNumber } from "./dom.js";
+import { button, h, labelled, render, row, textBox, tick, typed } from "./html.js";
 import { duration, Waves } from "./wave_data.js";
 import { HEAD, layOut, WaveScreen } from "./wave_screen.js";
 
@@ -12,117 +13,108 @@ const HELP =
 const ZOOM = 1.5;
 const LEAST_CLKS = 8;
 
-export function wavesView(page) {
-  const view = new WavesView(page);
-  page.showWaves = (t) => {
-    view.ask(t);
-    view.open();
-  };
-  return view;
-}
-
-class WavesView {
+export class WavesView {
   title = "Waves";
   visible = false;
-  open = () => {}; // of tabs.js
+  waves = null;
+  t = ""; // as it is typed, s
+  ms = "2";
+  said = "";
+  reading = ""; // what the chosen net has at the cursors
+  hidden = new Set(); // names of groups
+  marks = [null, null];
 
   constructor(page) {
     this.page = page;
-    this.waves = null;
-    this.hidden = new Set();
-    this.marks = [null, null];
-    this.#build();
-    new ResizeObserver(() => this.redraw()).observe(this.sheet);
-  }
-
-  #build() {
-    const sign = (id, text, f, title) => button(id, text, f, { title, "aria-label": title });
-    const submit = (event) => {
-      if (event.key === "Enter") this.draws();
-    };
-    this.t = el("input", { type: "text", size: 11, id: "waves-t", inputMode: "decimal",
-      onkeydown: submit });
-    this.ms = el("input", { type: "text", size: 4, value: "2", id: "waves-ms", inputMode: "decimal",
-      onkeydown: submit });
-    this.said = el("output", { id: "waves-said", role: "status" });
-    this.reading = el("output", { id: "waves-reading", role: "status" });
-    this.chips = el("div", { className: "row", id: "waves-groups" });
+    this.head = el("div", { className: "head" });
     this.canvas = el("canvas", { id: "waves-canvas", tabIndex: 0, className: "own-keys",
-      title: HELP });
-    this.canvas.setAttribute("role", "application");
-    this.canvas.setAttribute("aria-label", `waveforms; ${HELP}`);
+      title: HELP, role: "application", "aria-label": `waveforms; ${HELP}` });
     this.sheet = el("div", { className: "sheet" }, this.canvas);
+    this.element = el("div", { className: "waves" }, this.head, this.sheet);
     this.screen = new WaveScreen(this.canvas);
-    this.element = el("div", { className: "waves" },
-      el("div", { className: "row" }, labelled("Around", this.t, "s"),
-        labelled("for", this.ms, "ms"), button("waves-draw", "Draw", () => this.draws()),
-        button("waves-scope", "At the scope's A", () => this.fromScope()),
-        button("waves-now", "Now", () => this.ask(this.#now)), this.said),
-      el("div", { className: "row" }, sign("waves-back", "◀", () => this.pan(-0.3), "earlier"),
-        sign("waves-on", "▶", () => this.pan(0.3), "later"),
-        sign("waves-in", "+", () => this.zoom(1 / ZOOM), "zoom in"),
-        sign("waves-out", "−", () => this.zoom(ZOOM), "zoom out"),
-        button("waves-all", "All", () => this.all()),
-        sign("waves-a", "A", () => this.mark(0), "cursor A here"),
-        sign("waves-b", "B", () => this.mark(1), "cursor B here"), this.chips), this.reading,
-      this.sheet);
     this.sheet.addEventListener("scroll", () => this.redraw());
-    this.canvas.addEventListener("keydown", (event) => this.#key(event));
-    this.canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    this.canvas.addEventListener("keydown", event => this.#key(event));
+    this.canvas.addEventListener("wheel", event => this.#wheel(event), { passive: false });
     this.canvas.addEventListener("dblclick", () => this.all());
-    const clock = (x) => this.screen.clock(x);
+    const clock = x => this.screen.clock(x);
     gestures(this.canvas, { takes: () => this.waves, tap: (x, y) => this.#click(x, y),
       zoom: (factor, x) => this.zoom(factor, clock(x)),
       pan: (was, x) =>
         this.#look(this.view.from + clock(was) - clock(x), this.view.to - this.view.from) });
+    new ResizeObserver(() => this.redraw()).observe(this.sheet);
   }
 
-  get #now() {
-    return this.page.machine.history.now;
+  /** What stands above the waveforms. */
+  update() {
+    const { page, hidden } = this;
+    const sign = (id, text, title, f) =>
+      button(`waves-${id}`, text, f, { title, "aria-label": title });
+    const [pan, zoom, mark] = ["pan", "zoom", "mark"].map(does => how => () => this[does](how));
+    const enter = ({ key }) => key === "Enter" && this.draws();
+    const box = (name, size) =>
+      textBox(`waves-${name}`, { size, inputMode: "decimal", value: this[name],
+        onInput: typed(text => (this[name] = text)), onKeyDown: enter });
+    const chip = ({ name }) => {
+      const toggle = () => {
+        if (!hidden.delete(name)) hidden.add(name);
+        this.redraw();
+      };
+      return labelled(name, tick(!hidden.has(name), toggle));
+    };
+    const now = () => this.ask(page.machine.history.now);
+    render([
+      row(labelled("Around", box("t", 11), "s"), labelled("for", box("ms", 4), "ms"),
+        button("waves-draw", "Draw", () => this.draws()),
+        button("waves-scope", "At the scope's A", () => this.fromScope()),
+        button("waves-now", "Now", now),
+        h("output", { id: "waves-said", role: "status" }, this.said)),
+      row(sign("back", "◀", "earlier", pan(-0.3)), sign("on", "▶", "later", pan(0.3)),
+        sign("in", "+", "zoom in", zoom(1 / ZOOM)), sign("out", "−", "zoom out", zoom(ZOOM)),
+        sign("all", "All", null, () => this.all()), sign("a", "A", "cursor A here", mark(0)),
+        sign("b", "B", "cursor B here", mark(1)),
+        h("div", { class: "row", id: "waves-groups" }, this.waves?.groups.map(chip))),
+      h("output", { id: "waves-reading", role: "status" }, this.reading),
+    ], this.head);
   }
 
   shown() {
-    if (!this.t.value) this.t.value = (this.page.scope?.moment() ?? this.#now).toFixed(6);
+    const { scope, machine } = this.page;
+    this.t ||= (scope.moment() ?? machine.history.now).toFixed(6);
     this.redraw();
   }
 
   // --- what is drawn ---
 
   fromScope() {
-    const t = this.page.scope?.moment();
-    if (t === null || t === undefined) {
-      return this.page.machine.say("error",
-        "the scope has no cursor A, and does not hold: set one there");
-    }
-    return this.ask(t);
+    const t = this.page.scope.moment();
+    if (t !== null) return this.ask(t);
+    return this.page.machine.say("error",
+      "the scope has no cursor A, and does not hold: set one there");
   }
 
   ask(t) {
-    this.t.value = t.toFixed(6);
+    this.t = t.toFixed(6);
     return this.draws();
   }
 
-  #wanted() {
-    const [t, ms] = [parseNumber(this.t.value), parseNumber(this.ms.value)];
-    if (t !== null && ms !== null) return { t, ms };
-    const [text, what] = t === null ? [this.t.value, "s"] : [this.ms.value, "ms"];
-    this.page.machine.say("error", `waveforms: "${text}" is no time in ${what}`);
-    return null;
-  }
-
-  #request(op, wanted) {
-    const { machine, advice } = this.page;
-    const by = machine.hello.waves ? machine.link : advice;
-    return machine.try(by.request(op, wanted));
-  }
-
   async draws() {
-    const wanted = this.#wanted();
-    if (!wanted) return;
-    setText(this.said, "…");
-    const made = await this.#request("waves", wanted);
-    setText(this.said, "");
-    if (made) this.show(new Waves(made), wanted.t);
+    const { machine, advice } = this.page;
+    const [t, ms] = [parseNumber(this.t), parseNumber(this.ms)];
+    if (t === null || ms === null) {
+      const wrong = t === null ? `"${this.t}" is no time in s` : `"${this.ms}" is no time in ms`;
+      return machine.say("error", `waveforms: ${wrong}`);
+    }
+    this.#say("…");
+    const made = await machine.try(
+      (machine.hello.waves ? machine.link : advice).request("waves", { t, ms }),
+    );
+    this.#say("");
+    return made && this.show(new Waves(made), t);
+  }
+
+  #say(text) {
+    this.said = text;
+    this.update();
   }
 
   show(waves, t) {
@@ -130,14 +122,6 @@ class WavesView {
     this.zero = Math.min(Math.max(Math.round(t * waves.clk_hz), waves.from), waves.to);
     this.at = this.zero;
     this.marks = [null, null];
-    this.chips.replaceChildren(...waves.groups.map(({ name }) => {
-      const box = el("input", { type: "checkbox", checked: !this.hidden.has(name), onchange: () => {
-        if (box.checked) this.hidden.delete(name);
-        else this.hidden.add(name);
-        this.redraw();
-      } });
-      return labelled(name, box);
-    }));
     this.selected = waves.groups[0].nets[0];
     this.all();
     this.element.dataset.from = String(waves.seconds(waves.from));
@@ -147,21 +131,15 @@ class WavesView {
     if (!this.waves || !this.visible || !this.canvas.clientWidth) return;
     this.laid = layOut(this.waves, this.hidden);
     this.screen.draw(this);
-    const { selected, at, waves, marks } = this;
-    const said = [
-      `${waves.seconds(at).toFixed(7)} s: ${selected.name} ${selected.text(selected.at(at))}`,
-    ];
-    marks.forEach((clock, n) => {
-      if (clock === null) return;
-      said.push(
-        `${"AB"[n]} ${duration((clock - this.zero) / waves.clk_hz)}: ${
-          selected.text(selected.at(clock))
-        }`,
-      );
-    });
-    if (marks[0] !== null && marks[1] !== null)
-      said.push(`Δ ${duration((marks[1] - marks[0]) / waves.clk_hz)}`);
-    setText(this.reading, said.join("   "));
+    const { selected, at, waves, marks, zero } = this;
+    const read = clock => selected.text(selected.at(clock));
+    const apart = clocks => duration(clocks / waves.clk_hz);
+    const both = marks.map((clock, n) =>
+      clock !== null && `${"AB"[n]} ${apart(clock - zero)}: ${read(clock)}`
+    );
+    this.reading = [`${waves.seconds(at).toFixed(7)} s: ${selected.name} ${read(at)}`, ...both,
+      !marks.includes(null) && `Δ ${apart(marks[1] - marks[0])}`].filter(Boolean).join("   ");
+    this.update();
   }
 
   // --- moving about ---
@@ -212,17 +190,18 @@ class WavesView {
   #choose(step) {
     const nets = this.laid.rows.filter(({ net }) => net);
     const at = nets.findIndex(({ net }) => net === this.selected);
-    const row = nets[Math.min(Math.max(at + step, 0), nets.length - 1)];
-    if (!row) return;
-    this.selected = row.net;
-    const [above, below] = [row.top - HEAD, row.top + row.height - this.sheet.clientHeight];
+    const chosen = nets[Math.min(Math.max(at + step, 0), nets.length - 1)];
+    if (!chosen) return;
+    const { net, top, height } = chosen;
+    this.selected = net;
+    const [above, below] = [top - HEAD, top + height - this.sheet.clientHeight];
     this.sheet.scrollTop = Math.min(Math.max(this.sheet.scrollTop, below), above);
     this.redraw();
   }
 
   #key(event) {
     if (!this.waves || event.ctrlKey || event.metaKey || event.altKey) return;
-    const change = (forward) => {
+    const change = forward => {
       const found = this.selected.next(this.at, forward);
       if (found !== null) this.#goTo(found);
     };
@@ -245,8 +224,8 @@ class WavesView {
 
   /** Sets the cursor and chooses a net. */
   #click(x, y) {
-    const row = this.laid.rows.find(({ net, top, height }) => net && y >= top && y < top + height);
-    if (row) this.selected = row.net;
+    const under = ({ net, top, height }) => net && y >= top && y < top + height;
+    this.selected = this.laid.rows.find(under)?.net ?? this.selected;
     if (x >= this.screen.namesWidth) this.#goTo(this.screen.clock(x));
     this.redraw();
   }

@@ -19,7 +19,7 @@ const RULES = ["array-callback-return", "consistent-return", "constructor-super"
   "prefer-promise-reject-errors", "prefer-rest-params", "prefer-template", "require-yield",
   "use-isnan", "valid-typeof"];
 export default [{
-  rules: { ...Object.fromEntries(RULES.map((name) => [name, "error"])),
+  rules: { ...Object.fromEntries(RULES.map(name => [name, "error"])),
     "no-unused-vars": ["error", { argsIgnorePattern: "^_", varsIgnorePattern: "^_",
       ignoreRestSiblings: true }] },
 }];

@@ -9,10 +9,11 @@ import { createRequire } from "node:module";
 const need = createRequire(new URL("../../.venv/share/mmcs/dev/node_modules/", import.meta.url));
 const PASSES = 4; // until the format of what is formatted is itself
 const dprint = need("@dprint/formatter").createContext({ indentWidth: 2, lineWidth: 100 });
-dprint.addPlugin(readFileSync(need("@dprint/typescript").getPath()), { preferSingleLine: true, preferHanging: true,
-  quoteStyle: "preferDouble", singleBodyPosition: "sameLine", useBraces: "preferNone", "conditionalExpression.linePerExpression": false });
+dprint.addPlugin(readFileSync(need("@dprint/typescript").getPath()), { preferSingleLine: true,
+  preferHanging: true, quoteStyle: "preferDouble", singleBodyPosition: "sameLine",
+  useBraces: "preferNone", "conditionalExpression.linePerExpression": false,
+  "arrowFunction.useParentheses": "preferNone" });
 
-let differ = 0;
 const files = execFileSync("git", ["ls-files", "*.js", "*.mjs"], { encoding: "utf8" }).trim().split("\n");
 for (const filePath of files) {
   const text = readFileSync(filePath, "utf8");
@@ -21,6 +22,5 @@ for (const filePath of files) {
   for (let n = 0; n < PASSES; n++) made = dprint.formatText({ filePath, fileText: made });
   if (made === text) continue;
   if (process.argv.includes("--write")) writeFileSync(filePath, made);
-  else differ += console.log(`${filePath}: not in the project's format; make format`) ?? 1;
+  else process.exitCode = console.log(`${filePath}: not in the project's format; make format`) ?? 1;
 }
-process.exit(differ ? 1 : 0);

@@ -91,10 +91,10 @@ def test_every_begin_has_its_end():
 def test_the_book_shows_the_machine_only_where_it_has_been_built(monkeypatch, tmp_path):
     page = ROOT / "docs" / "hardware" / "adaptor.md"
     monkeypatch.setattr(book, "BUILD", tmp_path)
-    assert "iframe" not in book.chapter("<!-- live: panic -->", page, set())
+    assert "iframe" not in book.chapter("<!-- live: machine -->", page, set())
     (tmp_path / "web").mkdir()
-    (tmp_path / "web" / "live.html").touch()
-    assert "web/live.html?demo=panic" in book.chapter("<!-- live: panic -->", page, set())
+    (tmp_path / "web" / "index.html").touch()
+    assert "&view=machine" in book.chapter("<!-- live: machine -->", page, set())
 
 
 HEAD = "| date | commit | run | result |\n|---|---|---|---|\n"

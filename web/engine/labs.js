@@ -2,6 +2,7 @@
 // What a page without Python has of the designer, which is nothing, and of the lab sheets: all but the
 // grader.
 
+import { Source } from "../dom.js";
 import { json } from "./carrier.js";
 
 export class PageLabs {
@@ -9,7 +10,7 @@ export class PageLabs {
 
   async request(op, { number } = { number: 0 }) {
     const { sheets, sheet } = await this.#known;
-    const titled = (one) => ({ ...one, title: `${one.title} (not graded here)` });
+    const titled = one => ({ ...one, title: `${one.title} (not graded here)` });
     if (op === "sheets") return { sheets: sheets.map(titled) };
     if (op === "sheet") return sheet[number];
     const instead = `take the view Labs of \`mmcs tool\`, or save answer.toml and \`${
@@ -20,7 +21,7 @@ export class PageLabs {
 }
 
 /** What needs identification says where it is to be had; designs are made by the machine (page.js). */
-export class PageAdvice extends EventTarget {
+export class PageAdvice extends Source {
   async request(op) {
     throw new Error(`${op} needs Python: it is in \`mmcs tool\` (make tool), not in this page`);
   }

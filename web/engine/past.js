@@ -16,21 +16,16 @@ export class Past {
     sim.keepDeeds();
   }
 
-  /** A machine of which go() makes what it shall be; the caller destroys it. */
-  #made(skip, go) {
-    const machine = this.#another(skip);
+  /** A machine at this clock or, if its driver was busy then, shortly after; the caller destroys it. */
+  again(clock) {
+    const machine = this.#another(1);
     try {
-      go(machine);
+      machine.again(this.#sim, clock);
     } catch (error) {
       machine.destroy();
       throw error;
     }
     return machine;
-  }
-
-  /** A machine at this clock or, if its driver was busy then, shortly after; the caller destroys it. */
-  again(clock) {
-    return this.#made(1, (machine) => machine.again(this.#sim, clock));
   }
 
   /** What nets did from one clock to another: of each, the clocks at which it changed, and to what;
@@ -39,15 +34,16 @@ export class Past {
     const sim = this.#sim;
     const before = Math.max(from - Math.round(BUSY_S * sim.clk_hz), sim.known);
     const quick = this.again(before);
-    const machine = this.#made(0, (made) => made.copy(quick));
-    quick.destroy();
+    const machine = this.#another(0);
     try {
-      for (const name of names) machine.watch(name);
+      machine.copy(quick);
+      names.forEach(name => machine.watch(name));
       const begun = machine.clock;
       machine.repeat(sim, before, to);
-      const changes = machine.changes();
-      return { from: Math.max(from, begun), to, nets: cut(changes, names.length, from, to) };
+      const nets = cut(machine.changes(), names.length, from, to);
+      return { from: Math.max(from, begun), to, nets };
     } finally {
+      quick.destroy();
       machine.destroy();
     }
   }

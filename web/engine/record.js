@@ -22,19 +22,18 @@ const through = (parts, stream) => new Response(new Blob(parts).stream().pipeThr
 
 /** A record's text as letters of an address. Rejects with one sentence. */
 export async function pack(text) {
-  const bytes = new Uint8Array(
-    await through([text], new CompressionStream("deflate")).arrayBuffer(),
-  );
+  const packed = await through([text], new CompressionStream("deflate")).arrayBuffer();
+  const bytes = new Uint8Array(packed);
   if (bytes.length > LONGEST_BYTES)
     throw new Error("this is too long for an address; replay it with mmcs replay");
-  const letters = btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(""));
+  const letters = btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join(""));
   return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
 }
 
 /** And back. Rejects with one sentence. */
 export async function unpack(letters) {
   try {
-    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), (c) =>
+    const bytes = Uint8Array.from(atob(letters.replaceAll("-", "+").replaceAll("_", "/")), c =>
       c.charCodeAt(0));
     return await through([bytes], new DecompressionStream("deflate")).text();
   } catch {
@@ -62,42 +61,37 @@ export function setupOf(record, setup) {
   const names = new Set([...Object.keys(record.data), ...Object.keys(setup.data)]);
   for (const name of names) {
     if (OWN.includes(name)) continue;
-    if (JSON.stringify(sorted(record.data[name])) !== JSON.stringify(sorted(setup.data[name]))) {
-      throw new Error(
-        `the record changes ${name}, which this page cannot; replay it with mmcs replay`,
-      );
-    }
+    if (JSON.stringify(sorted(record.data[name])) !== JSON.stringify(sorted(setup.data[name])))
+      throw new Error(`the record changes ${name}; replay it with mmcs replay`);
   }
   const { seed = 1, duration = setup.duration, event = [], call = [] } = record.data;
   const must = (good, name) => {
     if (!good) throw new Error(`this is no run.mmcs: its ${name} cannot be`);
   };
-  const within = (t) => typeof t === "number" && t >= 0 && t <= LONGEST_S;
+  const within = t => typeof t === "number" && t >= 0 && t <= LONGEST_S;
   must(Number.isInteger(seed) && seed >= 0, "seed");
   must(within(duration) && duration > 0, "duration");
-  must(
-    Array.isArray(event) && event.every((e) => isTable(e) && within(e.at) && within(e.until ?? 0)),
-    "events",
-  );
-  must(Array.isArray(call) && call.every((c) => isTable(c) && within(c.at) && isRequest(c, setup)),
-    "calls");
-  const calls = call.map((c) => ({ axis: "all", value: 0, ...c })).sort((a, b) => a.at - b.at);
-  const events = event.map((e) => ({ index: 0, at_power_on: false, ...e, until: e.until ?? -1 }));
+  const isEvent = e => isTable(e) && within(e.at) && within(e.until ?? 0);
+  const isCall = c => isTable(c) && within(c.at) && isRequest(c, setup);
+  must(Array.isArray(event) && event.every(isEvent), "events");
+  must(Array.isArray(call) && call.every(isCall), "calls");
+  const calls = call.map(c => ({ axis: "all", value: 0, ...c })).sort((a, b) => a.at - b.at);
+  const events = event.map(e => ({ index: 0, at_power_on: false, ...e, until: e.until ?? -1 }));
   const changes = { seed, duration, events, calls };
   return { ...setup, seed, duration, data: record.data, changes };
 }
 
-const isTable = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
+const isTable = value => typeof value === "object" && value !== null && !Array.isArray(value);
 
 /** @param {any} call */
 function isRequest({ request, axis = "all", set = {} }, { machine }) {
   const axes = axis === "all" ? [] : [axis].flat();
   return typeof request === "string" && isTable(set)
-    && axes.every((n) => Number.isInteger(n) && n >= 0 && n < machine.servo.length);
+    && axes.every(n => Number.isInteger(n) && n >= 0 && n < machine.servo.length);
 }
 
 function sorted(value) {
   if (Array.isArray(value)) return value.map(sorted);
   if (value === null || typeof value !== "object") return value;
-  return Object.fromEntries(Object.keys(value).sort().map((key) => [key, sorted(value[key])]));
+  return Object.fromEntries(Object.keys(value).sort().map(key => [key, sorted(value[key])]));
 }

@@ -79,7 +79,7 @@ export class Server {
 
   #answer(message) {
     const { op } = message;
-    const of = (table) => (Object.hasOwn(table, op) ? table[op] : null);
+    const of = table => (Object.hasOwn(table, op) ? table[op] : null);
     if (of(OF_PAGE)) return of(OF_PAGE)(this, message);
     if (this.session.playing && of(BY_HAND)) {
       const done = of(BY_HAND)(this, this.ask(message, 1));
@@ -162,40 +162,36 @@ export class Server {
 
   // --- the device ---
 
-  param(axis) {
-    return this.ask({ op: "call", request: "MGETPARAM", axis }).param;
-  }
-
   /** While the motion goes on. */
   change(axis, { mode, ...set }) {
     if (mode !== undefined) Object.assign(set, named(mode, this.C));
     delete set.which;
     this.check(this.session.personCalls({ request: "MSETPARAM", axis, set }));
-    return this.param(axis);
+    return this.ask({ op: "call", request: "MGETPARAM", axis }).param;
   }
 }
 
 /** A mode word as a record has it. */
 function named(word, C) {
-  const mode = Object.keys(C.MODES).find((name) => C[C.MODES[name]] === (word & 0xf));
-  return { mode, flags: C.FLAGS.filter((flag) => word & C[flag.toUpperCase()]) };
+  const mode = Object.keys(C.MODES).find(name => C[C.MODES[name]] === (word & 0xf));
+  return { mode, flags: C.FLAGS.filter(flag => word & C[flag.toUpperCase()]) };
 }
 
 // What sim/service does not do: each takes the server and what sim/service gave, and returns, or
 // promises, what the reply says.
-const OPERATIONS = { hello: (s) => s.hello(), pace: (s, done) => (s.restart(), done),
+const OPERATIONS = { hello: s => s.hello(), pace: (s, done) => (s.restart(), done),
   rewind: (s, done) => (s.endSession(), OPERATIONS.pace(s, done)),
-  advance: (s) =>
-    new Promise((done) => {
+  advance: s =>
+    new Promise(done => {
       s.arrived = () => done({ t: s.sim.time });
-    }), machine: (s) => s.setup.machine };
+    }), machine: s => s.setup.machine };
 
 /** Of a page alone, with the arguments as they come. */
 const OF_PAGE = { design: (s, asked) => {
   const made = s.sim.design(asked);
   if (made.error) throw new Refused(E.EINVAL, made.error);
   return made;
-}, waves: (s, { t, ms = 2 }) => s.waves(t, ms), memory: (s) => ({ bytes: s.sim.memory }) };
+}, waves: (s, { t, ms = 2 }) => s.waves(t, ms), memory: s => ({ bytes: s.sim.memory }) };
 
 /** Of a person while the scenario's motion goes on: kept for its record. null: as at other times. */
 const BY_HAND = { input: (s, { name, index, value }) => {
@@ -209,8 +205,7 @@ const BY_HAND = { input: (s, { name, index, value }) => {
     }
     if (request === "MSETPARAM") {
       if (axis >= s.sim.axes) return null;
-      s.change(axis, { ...Object.fromEntries(s.protocol.param.map((name) => [name, 0])),
-        ...param });
+      s.change(axis, { ...Object.fromEntries(s.protocol.param.map(name => [name, 0])), ...param });
       return {};
     }
     const call = ["MSETENC", "MCALIB"].includes(request)

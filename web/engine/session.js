@@ -6,10 +6,22 @@
 // meanwhile is kept: the record holds it as [[call]] and [[event]] entries, and `mmcs replay` does it
 // again.
 
-import { asked } from "./script.js";
-
 const LOOK_S = 0.001;
 const EIO = 5;
+
+/** A [[call]] entry as fields of mmcs_call, and what changes in a struct mc_param as [word, mask, value]:
+ * mcdef.sets() of Python. C: the constants of mcdef.h. */
+export function asked({ at = 0, request, axis, value, set = {} }, axes, layouts, C) {
+  const named = axis === "all" ? [...Array(axes).keys()] : [axis].flat();
+  const bits = named.reduce((sum, n) => sum | (1 << n), 0) >>> 0;
+  const { mode, flags, ...numbers } = /** @type {any} */ (set);
+  const word = name => layouts.mc_param.fields[name][0] / 4;
+  const sets = Object.entries(numbers).map(([name, number]) => [word(name), -1, number]);
+  if (mode !== undefined) sets.push([word("mode"), C.MD_MASK, C[C.MODES[mode]]]);
+  const switches = flags?.reduce((sum, flag) => sum | C[flag.toUpperCase()], 0);
+  if (flags) sets.push([word("mode"), ~C.MD_MASK, switches]);
+  return { call: { at, request: C[request], axes: bits, value, sets: sets.length }, sets };
+}
 
 export class Session {
   /** setup: of tools/website.py; C: the constants of mcdef.h. */
@@ -27,27 +39,23 @@ export class Session {
 
   /** Everything up to the start of motion; false: the driver refused, as the scenario expects. */
   begin() {
-    this.script = this.sim.newScript();
-    const [result, what] = this.script.begin();
-    this.start = this.script.start;
-    this.client = this.script.client;
-    if (result < 0) {
-      throw new Error(
-        `${what}: the driver refuses (errno ${-result}); the scenario does not expect that`,
-      );
-    }
+    const [result, what] = this.sim.begin();
+    this.start = this.sim.scripted("start");
+    this.client = this.sim.scripted("client");
+    if (result < 0)
+      throw new Error(`${what}: errno ${-result}, which the scenario does not expect`);
     this.playing = result === 0;
     return this.playing;
   }
 
   /** The motion, a look at a time, up to the last. */
   *move() {
-    const { sim, script } = this;
-    const { duration } = script;
+    const { sim } = this;
+    const duration = sim.scripted("duration");
     const looks = Math.max(1, Math.round(duration / LOOK_S));
     for (let look = 1; look <= looks; look++) {
       const next = (duration * look) / looks;
-      const [result, what] = script.act(next);
+      const [result, what] = sim.act(next);
       if (result < 0) throw new Error(`${what}: errno ${-result}`);
       if (result > 0 || !sim.run(this.start + next)) throw new Error("an assertion failed");
       this.reached = next;
@@ -61,7 +69,7 @@ export class Session {
   /** Done now, and written down; the driver's answer. */
   personCalls(call) {
     const whole = { axis: "all", value: 0, ...call };
-    const result = this.script.ask(asked(whole, this.sim.axes, this.sim.layouts, this.C));
+    const result = this.sim.call(asked(whole, this.sim.axes, this.sim.layouts, this.C));
     const { axis, value, ...entry } = whole;
     const named = ["MCALIB", "MSETENC", "MSETPARAM"].includes(call.request);
     this.calls.push({ at: this.reached, ...entry, ...(named ? { axis } : {}),

@@ -2,14 +2,12 @@
 // The simulated machine in a page: sim/abi/mmcs_sim.h in WebAssembly, as mmcs/engine/sim.py is for
 // Python. The layouts of its structures come from the header (tools/website.py).
 
-import { Script } from "./script.js";
-
 const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
 const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
-const TEXT = 200;
+const TEXT = 300; // bytes
 const ROOM = 1 << 17; // bytes for arguments and what comes back
 
-const plain = (value) => String(value).replace(/[\0-\x1f]/g, "?");
+const plain = value => String(value).replace(/[\0-\x1f]/g, "?");
 
 function letter(value) {
   if (Number.isInteger(value)) return "i";
@@ -32,6 +30,7 @@ export class Sim {
   #room; // memory for arguments
   #setup; // its set-up file, sim/abi/mmcs_service.h
   #changes;
+  #script = 0;
 
   /** module: the loaded WebAssembly; setup: as tools/website.py writes it; changes: to it, {seed,
    * duration, events, calls (as asked() gives them), skip}. Throws one sentence. */
@@ -42,7 +41,7 @@ export class Sim {
     this.inputs = [];
     for (let n = 0, name; (name = module._mmcs_sim_input_name(n)); n++)
       this.inputs.push(module.UTF8ToString(name));
-    this.#setup = Uint8Array.from(atob(setup.binary), (c) => c.charCodeAt(0));
+    this.#setup = Uint8Array.from(atob(setup.binary), c => c.charCodeAt(0));
     this.#changes = changes;
     this.#at = this.#madeFrom(module._mmcs_sim_create_from);
     this.axes = module._mmcs_sim_axes(this.#at);
@@ -55,10 +54,10 @@ export class Sim {
   #madeFrom(create) {
     const m = this.#m;
     const { seed, duration, events, calls, skip } = this.#changes;
-    const given = [seed, duration, events, calls, skip].map((value) => value !== undefined);
-    const size = (name) => this.layouts[name].size;
+    const given = [seed, duration, events, calls, skip].map(value => value !== undefined);
+    const size = name => this.layouts[name].size;
     const [ns, na] = [events?.length ?? 0, calls?.length ?? 0];
-    const sets = (calls ?? []).flatMap((one) => one.sets.flat());
+    const sets = (calls ?? []).flatMap(one => one.sets.flat());
     const at = m._malloc(
       size("mmcs_overrides") + ns * size("mmcs_timed_event") + na * size("mmcs_call")
         + 4 * sets.length + this.#setup.length,
@@ -130,11 +129,30 @@ export class Sim {
     return this.#m.HEAPU8.slice(at, at + length);
   }
 
-  /** What the set-up does with the machine: script.js. */
-  newScript() {
-    const m = this.#m;
-    return new Script({ m, at: this.#madeFrom(m._mmcs_script_create_from), sim: this.#at,
-      room: this.#room, put: (...a) => this.#put(...a), size: (name) => this.layouts[name].size });
+  // --- what the set-up does with the machine, as sim/abi/mmcs_service.h has it ---
+
+  #said(result) {
+    return [result, this.#m.UTF8ToString(this.#room)];
+  }
+  /** [result, what was refused]: 0, -errno, or the errno of a refusal that the scenario expects. */
+  begin() {
+    this.#script = this.#madeFrom(this.#m._mmcs_script_create_from);
+    return this.#said(this.#m._mmcs_script_begin(this.#script, this.#at, this.#room, TEXT));
+  }
+  /** The same: 0, -errno, 1 when an assertion failed. */
+  act(until) {
+    return this.#said(this.#m._mmcs_script_act(this.#script, this.#at, until, this.#room, TEXT));
+  }
+  /** What asked() of session.js gave, now; the driver's answer. */
+  call({ call, sets }) {
+    const at = this.#room + this.layouts.mmcs_call.size;
+    this.#put(this.#room, "mmcs_call", { ...call, set_at: 0 });
+    new Int32Array(this.#m.HEAPU8.buffer, at, 3 * sets.length).set(sets.flat());
+    return this.#m._mmcs_script_ask(this.#script, this.#at, this.#room, at);
+  }
+  /** start, duration or client. */
+  scripted(what) {
+    return this.#m[`_mmcs_script_${what}`](this.#script);
   }
 
   // --- the part of a server that sim/service does ---
@@ -203,10 +221,6 @@ export class Sim {
 
   // --- results ---
 
-  stats() {
-    this.#m._mmcs_sim_get_stats(this.#at, this.#room);
-    return this.#get(this.#room, "mmcs_stats");
-  }
   hash() {
     const value = BigInt.asUintN(64, this.#m._mmcs_sim_hash(this.#at));
     return `0x${value.toString(16).padStart(16, "0")}`;
@@ -236,7 +250,7 @@ export class Sim {
     const lines = (cols, at, rows) => m.UTF8ToString(m._mmcs_log_lines(cols, at, BigInt(rows)));
     const full = log.filter(({ rows }) => rows);
     const texts = full.map(({ rows, cols, bytes }) =>
-      this.#lend(bytes, (at) => lines(cols, at, rows))
+      this.#lend(bytes, at => lines(cols, at, rows))
     );
     return [lines(log.at(-1).cols, 0, 0), ...texts].join("");
   }
@@ -300,7 +314,7 @@ export class Sim {
   // --- waveforms ---
 
   watch(name) {
-    this.#m.stringToUTF8(name, this.#room, 200);
+    this.#m.stringToUTF8(name, this.#room, TEXT);
     if (this.#m._mmcs_sim_watch(this.#at, this.#room) < 0)
       throw new Error(`there is no net ${name}`);
   }

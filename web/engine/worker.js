@@ -6,9 +6,8 @@
 
 import { Past } from "./past.js";
 import { makeRecord } from "./record.js";
-import { asked } from "./script.js";
 import { Server } from "./server.js";
-import { Session } from "./session.js";
+import { asked, Session } from "./session.js";
 import { Sim } from "./sim.js";
 
 const CHUNK_S = 0.002; // of the machine's time between looks at the clock
@@ -26,7 +25,7 @@ let ended = null; // {hash, record}
 let version = "";
 
 const now = () => performance.now() / 1000;
-const say = (message) => {
+const say = message => {
   if (message instanceof ArrayBuffer) postMessage(message, [message]);
   else postMessage(JSON.stringify(message));
 };
@@ -36,13 +35,10 @@ async function start({ setup, module, layouts, constants, waves, plays, paused, 
   const { default: load } = await import(module);
   const engine = await load();
   const { calls, ...changes } = setup.changes ?? {};
-  if (calls) {
-    changes.calls = calls.map((call) =>
-      asked(call, setup.machine.servo.length, layouts, constants)
-    );
-  }
+  if (calls)
+    changes.calls = calls.map(call => asked(call, setup.machine.servo.length, layouts, constants));
   const sim = new Sim(engine, layouts, setup, changes);
-  const another = (skip) => new Sim(engine, layouts, setup, { ...changes, skip });
+  const another = skip => new Sim(engine, layouts, setup, { ...changes, skip });
   session = new Session(sim, setup, constants);
   const past = new Past(sim, another);
   server = new Server(sim, setup, session, constants, say, past, waves);

@@ -8,6 +8,7 @@ from pathlib import Path
 from mmcs import BUILD, Link
 
 PICTURES = BUILD / "tool"
+TELEPHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 PATIENCE_S = 240  # a loaded computer is slow, not wrong
 
 
@@ -29,8 +30,8 @@ class Desk:
         self.link = Link(path=tool.socket)
         self.link.request("open", mode="r")
 
-    def open(self, options: str = ""):
-        page = new_page(self.browser, viewport={"width": 1280, "height": 800})
+    def open(self, options: str = "", **more):
+        page = new_page(self.browser, **({"viewport": {"width": 1280, "height": 800}} | more))
         page.goto(self.tool.address + options)
         page.wait_for_selector("body.ready")
         return page
@@ -71,9 +72,13 @@ class Desk:
         self.tool.__exit__()
 
 
+def until(page, what: str) -> None:
+    page.wait_for_function(f"() => {what}")
+
+
 def enable(page) -> None:
     page.click("#enable")
-    page.wait_for_function("() => mctool.machine.enabled")
+    until(page, "mctool.machine.enabled")
 
 
 def pick(page, choice: str, value: str) -> None:

@@ -52,12 +52,10 @@ def attached():
     machine = _serve("puma560", name, socket)
 
     def bounce():
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        started.append(subprocess.Popen([program, "-n100000"], env=environment(socket), **quiet))
+        quiet = {"stdout": subprocess.DEVNULL, "env": environment(socket)}
+        started.append(subprocess.Popen([program, "-n100000"], **quiet))
         return started[0]
 
     yield socket, bounce
-    for one in started:
-        one.kill()
-        one.wait()
-    _end(machine)
+    for one in (*started, machine):
+        _end(one)

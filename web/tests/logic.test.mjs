@@ -2,21 +2,27 @@
 // What the page computes, without a browser: node --test.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
-import { sector } from "../arm.js";
-import { askedNumber, parseInteger, parseNumber, pause } from "../dom.js";
-import { readRecord, setupOf } from "../engine/record.js";
-import { tomlAnswer } from "../labs.js";
-import { Machine } from "../machine.js";
-import { errorWords, gainsOf, setpointScale } from "../params.js";
-import { csvHead, csvLines, Recording } from "../recording.js";
-import { fieldsText, offsetOf } from "../registers.js";
-import { REGISTERS } from "../registers_table.js";
-import { decode, envelope, History } from "../samples.js";
-import { causeOf, panicCauses } from "../status.js";
-import { findTrigger } from "../trigger.js";
-import { Units } from "../units.js";
+import "./libraries.mjs";
+
+const { sector } = await import("../arm.js");
+const { askedNumber, parseInteger, parseNumber, pause } = await import("../dom.js");
+const { readRecord, setupOf } = await import("../engine/record.js");
+const { tomlAnswer } = await import("../labs.js");
+const { style } = await import("../lanes.js");
+const { Link } = await import("../link.js");
+const { Machine } = await import("../machine.js");
+const { errorWords, gainsOf, setpointScale } = await import("../params.js");
+const { csvHead, csvLines, readRecording } = await import("../recording.js");
+const { fieldsText, offsetOf } = await import("../registers.js");
+const { REGISTERS } = await import("../registers_table.js");
+const { decode, envelope, History } = await import("../samples.js");
+const { causeOf, panicCauses } = await import("../status.js");
+const { findTrigger } = await import("../trigger.js");
+const { Units } = await import("../units.js");
+const { duration, Net, tickStep, Waves } = await import("../wave_data.js");
 
 const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint",
   "demand", "current"];
@@ -89,7 +95,6 @@ test("the oldest rows are forgotten beyond the capacity, and numbers stay", () =
 test("going back forgets what is later", () => {
   const history = ramp(10_000);
   history.rewind(8.5);
-  assert.ok(history.time(history.end - 1) <= 8.5);
   assert.equal(history.end, 8501);
 });
 
@@ -110,23 +115,18 @@ test("triggers fire at the first row of rise, fall, error and PANIC", () => {
   const history = new History(FIELDS);
   history.append(message(rows));
   const at = (kind, level) => findTrigger(history, { kind, axis: 0, field: "encnow", level }, 0, 5);
-  assert.equal(at("rise", 7), 2);
-  assert.equal(at("rise", 50), -1);
-  assert.equal(at("fall", 4), 3);
-  assert.equal(at("error"), 3);
-  assert.equal(at("panic"), 4);
+  assert.deepEqual([at("rise", 7), at("rise", 50), at("fall", 4)], [2, -1, 3]);
+  assert.deepEqual([at("error"), at("panic")], [3, 4]);
 });
 
 test("a recording saved is the same when reopened; damage is told by its line", async () => {
   const history = ramp(300);
   const head = csvHead(history);
-  const text = head.text + history.pieces(0, 300).map((piece) => csvLines(head, piece)).join("");
-  const open = (lines, name) => Recording.of(new Blob([lines]), name);
+  const text = head.text + history.pieces(0, 300).map(piece => csvLines(head, piece)).join("");
+  const open = (lines, name) => readRecording(new Blob([lines]), name);
   const again = await open(text, "a.csv");
-  assert.equal(again.end, 300);
-  assert.equal(again.axes, 2);
+  assert.deepEqual([again.end, again.axes, again.find(0.1)], [300, 2, 100]);
   assert.equal(again.value(17, again.column(0, "encnow")), 289);
-  assert.equal(again.find(0.1), 100);
   await assert.rejects(open("x,y\n1,2", "b.csv"), /b.csv: not a recording/);
   await assert.rejects(open("", "b.csv"), /b.csv: not a recording/);
   await assert.rejects(open(text.replace("\n0.001", "\nzero"), "c.csv"), /line 3 is damaged/);
@@ -148,11 +148,10 @@ test("what is saved stays as it was when saving began", () => {
 
 test("degrees and amperes of a motor, and back to the driver's units", () => {
   const units = new Units([{ counts_per_rev: 2000, gear: -60, amp_gain: 0.883 }]);
-  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["500",
-    "counts"]);
+  const half = () => `${units.show(0, "position", 500)} ${units.scale(0, "position").unit}`;
+  assert.equal(half(), "500 counts");
   units.set(true);
-  assert.deepEqual([units.show(0, "position", 500), units.scale(0, "position").unit], ["-1.500",
-    "°"]);
+  assert.equal(half(), "-1.500 °");
   assert.equal(units.show(0, "current", 1024), "4.415");
   assert.equal(units.show(0, "code", -2048), "-10.000");
 });
@@ -171,53 +170,33 @@ test("why the power went is the first that explains it", () => {
 
 test("an axis without heartbeat is named by its own light: bit 6 of the even one, 7 of the odd one", () => {
   const lights = [0b01000000, 0b10000000]; // of two cards
-  const machine = { history: { lights: (card) => lights[card] }, hello: { axes: 4 },
+  const machine = { history: { lights: card => lights[card] }, hello: { axes: 4 },
     input: () => undefined, inputs: [] };
   assert.deepEqual(panicCauses(machine), ["axis 1 has no heartbeat", "axis 2 has no heartbeat"]);
 });
 
-test("gains come back from integers: P, PD, PID, PD with a filter, and no other", () => {
-  const close = (made, wanted) =>
-    Object.entries(wanted).forEach(([k, v]) =>
-      assert.ok(Math.abs(made[k] - v) < 1e-6, `${k} ${made[k]}`)
-    );
-  const T = 0.001;
-  close(gainsOf({ a0: 7, a1: 0, a2: 0, b0: 1, b1: 0, b2: 0 }, T), { p: 7, i: 0, d: 0 });
-  close(gainsOf({ a0: 104, a1: -100, a2: 0, b0: 1, b1: 0, b2: 0 }, T), { p: 4, i: 0, d: 0.1 });
-  // P 4, I 1000 (IT 1), D 0.1 (D/T 100)
-  close(gainsOf({ a0: 105, a1: -204, a2: 100, b0: 1, b1: -1, b2: 0 }, T), { p: 4, i: 1000,
-    d: 0.1 });
-  // P 4, D 0.1, tau 3 ms: pole 0.75, D/(tau+T) 25
-  const filtered = { a0: 29_000, a1: -28_000, a2: 0, b0: 1000, b1: -750, b2: 0 };
-  close(gainsOf(filtered, T), { p: 4, d: 0.1, tau: 0.003 });
-  assert.equal(gainsOf({ a0: 1, a1: 0, a2: 0, b0: 1, b1: 0, b2: 5 }, T), null);
-});
-
 test("numbers as people type them: a decimal comma is understood, or refused, never misread", () => {
-  assert.equal(parseNumber("1.5"), 1.5);
-  assert.equal(parseNumber("1,5"), 1.5);
-  assert.equal(parseNumber("0,125"), 0.125);
-  assert.equal(parseNumber(" -12 "), -12);
+  assert.deepEqual(["1.5", "1,5", "0,125", " -12 "].map(parseNumber), [1.5, 1.5, 0.125, -12]);
   for (const text of ["1,234", "1.234,5", "1,234.5", "", "1e", "0x10", "twelve", "--1", "1e400"])
     assert.equal(parseNumber(text), null, text);
   assert.throws(() => parseInteger("2.5", 0, 9, "ilim"),
     /ilim: "2.5" is not a whole number from 0 to 9/);
 });
 
-test("labels and ranges of the setpoint follow the mode", () => {
+test("labels and ranges of the setpoint follow the mode; of other integers there are no gains", () => {
+  assert.equal(gainsOf({ a0: 1, a1: 0, a2: 0, b0: 1, b1: 0, b2: 5 }, 0.001), null);
   const param = { mode: 0, plo: -100, phi: 200, ilim: 928 };
   assert.deepEqual(setpointScale("pos", param), { name: "Position", quantity: "position", low: -100,
     high: 200 });
   assert.equal(setpointScale("vel", param).per, "sample");
-  assert.equal(setpointScale("torq", param).high, 928);
-  assert.equal(setpointScale("off", param), null);
+  assert.deepEqual([setpointScale("torq", param).high, setpointScale("off", param)], [928, null]);
   assert.equal(setpointScale("pos", { ...param, mode: 0x20 }).quantity, "adc");
   assert.equal(errorWords(0x09), "low position limit, PANIC");
 });
 
 test("registers: addresses of a card, fields by name", () => {
   assert.equal(offsetOf({ card: true, offset: 0x04 }, 2), 0x89);
-  const pccsr = REGISTERS.find((register) => register.name === "PCCSR");
+  const pccsr = REGISTERS.find(register => register.name === "PCCSR");
   assert.match(fieldsText(pccsr, 0x98), /LATCH_EN 1/);
   assert.match(fieldsText(pccsr, 0x98), /BASE 24/);
 });
@@ -262,23 +241,36 @@ test("a record that cannot be is one sentence", () => {
 });
 
 test("what lost events had told is asked for: the servo, and who controls", async () => {
-  const now = { lease: 1, enabled: true, time: 1, you: 1, sample: { fields: FIELDS } };
-  const link = new EventTarget();
-  link.request = async () => now;
-  link.pulse = () => {};
-  const hear = async (type, detail) => {
-    link.dispatchEvent(new CustomEvent(type, { detail }));
-    await new Promise((done) => setTimeout(done));
+  const now = { lease: 1, enabled: true, time: 1, you: 1, axes: 0, sample: { fields: FIELDS } };
+  const answer = text => carrier.onText(JSON.stringify({ ...now, id: JSON.parse(text).id }));
+  const carrier = { send: answer, pulse() {}, onText: () => {} };
+  const machine = new Machine(new Link(carrier));
+  const hear = async what => {
+    carrier.onText(JSON.stringify(what));
+    await new Promise(done => setTimeout(done));
   };
-  const machine = new Machine(link);
-  await hear("hello", now);
+  await hear({ type: "hello", ...now });
   await machine.takeControl();
   Object.assign(now, { lease: 2, enabled: false });
-  await hear("lost", { events: 9 });
+  await hear({ type: "lost", events: 9 });
   assert.deepEqual([machine.enabled, machine.controls, machine.holder], [false, false, 2]);
   now.lease = null;
-  await hear("lost", { events: 1 });
+  await hear({ type: "lost", events: 1 });
   assert.equal(machine.holder, null);
+});
+
+test("24 channels have 24 looks, of colours that are told apart in light and dark", () => {
+  const looks = Array.from({ length: 24 }, (_, n) => style(n));
+  assert.equal(new Set(looks.map(one => JSON.stringify(one))).size, 24);
+  const css = readFileSync(new URL("../look.css", import.meta.url), "utf8");
+  for (const [line] of css.matchAll(/--c0: .*/g)) {
+    const all = [...line.matchAll(/#(..)(..)(..)/g)].map(([, ...rgb]) =>
+      rgb.map(x => parseInt(x, 16))
+    );
+    assert.equal(all.length, new Set(looks.map(({ stroke }) => stroke)).size);
+    const apart = (a, b) => Math.hypot(...a.map((v, k) => v - b[k]));
+    all.forEach((a, n) => all.slice(n + 1).forEach(b => assert.ok(apart(a, b) > 55, `${a} ${b}`)));
+  }
 });
 
 test("an answer as it is typed becomes an answer.toml", () => {
@@ -301,4 +293,55 @@ test("pictures rest after a long one, and come twice a second all the same", () 
       String(spent));
     assert.ok(spent > 60 || pause(spent) >= 6 * spent, String(spent));
   }
+});
+
+const net = (more, clocks, values) =>
+  new Net({ name: "n", width: 8, form: "hex", curve: false, names: {}, ...more }, { clocks,
+    values });
+
+test("a net has the value of its last change, and changes are found both ways", () => {
+  const one = net({}, [100, 200, 300], [1, 2, 3]);
+  assert.deepEqual([99, 100, 199, 200, 299, 300, 999].map(c => one.at(c)), [1, 1, 1, 2, 2, 3, 3]);
+  assert.deepEqual([100, 199, 200, 299, 300].map(c => one.next(c, true)), [200, 200, 300, 300,
+    null]);
+  assert.deepEqual([100, 200, 201, 300, 999].map(c => one.next(c, false)), [null, null, 200, 200,
+    300]);
+  assert.equal(net({}, [100], [1]).next(500, false), null);
+});
+
+test("values are told as bits, hexadecimal, signed numbers, and by name", () => {
+  assert.equal(net({ width: 12 }, [0], [0x0a]).text(0x0a), "0x00A");
+  assert.equal(net({ width: 3, form: "bits" }, [0], [2]).text(2), "010");
+  assert.equal(net({ width: 1, form: "bits" }, [0], [1]).text(1), "1");
+  assert.deepEqual(net({ width: 16, form: "signed" }, [0, 1, 2], [0xffff, 0x8000, 0x7fff]).values, [
+    -1,
+    -32768,
+    32767,
+  ]);
+  assert.deepEqual(net({ width: 16, form: "signed" }, [0], [0xabcd0001]).values, [1]); // a half of a port
+  assert.deepEqual(net({ width: 32 }, [0], [0xffffffff]).values, [0xffffffff]);
+  assert.equal(net({ names: { 5: "PCCSR" } }, [0], [5]).text(5), "PCCSR");
+});
+
+test("the answer's nets come to their groups in order", () => {
+  const signal = name => ({ name, width: 1, form: "bits", curve: false, names: {} });
+  const made = new Waves({ clk_hz: 8e6, from: 8, to: 16,
+    groups: [{ name: "a", signals: [signal("x"), signal("y")] }, { name: "b",
+      signals: [signal("z")] }],
+    nets: [0, 1, 1].map(value => ({ clocks: [8], values: [value] })) });
+  assert.deepEqual(made.groups.map(g => g.nets.map(n => n.at(9))), [[0, 1], [1]]);
+  assert.equal(made.seconds(16), 2e-6);
+});
+
+test("ticks are 1, 2 or 5 of a power of ten; differences have their unit", () => {
+  const near = (a, b) => assert.ok(Math.abs(a / b - 1) < 1e-9, `${a} ${b}`);
+  near(tickStep(1, 10), 0.1);
+  near(tickStep(2e-3, 4), 5e-4);
+  near(tickStep(3e-6, 4), 1e-6);
+  for (let n = 1; n < 400; n++) {
+    const count = (n * 1e-7) / tickStep(n * 1e-7, 5);
+    assert.ok(count > 1.9 && count <= 5.01, `${n}: ${count}`);
+  }
+  assert.deepEqual([1.25e-7, -4.875e-6, 0.0015, 0].map(duration), ["125 ns", "-4.875 µs", "1.5 ms",
+    "0 ns"]);
 });

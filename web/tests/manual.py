@@ -17,7 +17,6 @@ HEADS = {
                 "| −3 dB, rad/s | rise, ms | overshoot | steady error | farthest |\n"
                 + "|---" * 10 + "|",
     "stops": "| | stops | median, ms | 90 %, ms | greatest, ms |\n|---|---|---|---|---|",
-    "stream": "| process | share of a core |\n|---|---|",
 }  # fmt: skip
 PAGES = [ROOT / "docs" / "use" / name for name in ("tool.md", "web.md")]
 

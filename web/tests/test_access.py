@@ -2,12 +2,12 @@
 """The page for those who see little, hear it read, or have no mouse: measured by axe-core."""
 
 import pytest
-from bench import enable
-from test_start import VIEWS
+from bench import TELEPHONE, enable
 
 from mmcs.tool.pages import library_folder
 
 pytestmark = pytest.mark.req("TOOL-1")
+VIEWS = ("scope", "tune", "machine", "registers", "faults", "waves", "labs", "log")
 RUN = """async () => {
   const found = await axe.run(document, { resultTypes: ["violations"], iframes: false });
   return found.violations.map(({ id, impact, nodes }) =>
@@ -21,6 +21,11 @@ STOPS = """() => [...document.querySelectorAll(
     "a[href], button, input, select, summary, iframe, [tabindex]")]
   .filter((e) => e.checkVisibility() && !e.disabled && e.tabIndex >= 0).length"""
 
+SMALL = """() => [...document.querySelectorAll("button, input, select, summary")]
+  .filter((e) => e.checkVisibility()).map((e) => [e, e.getBoundingClientRect()])
+  .filter(([, { width, height }]) => Math.min(width, height) < 24)
+  .map(([e, { width, height }]) => `${e.id || e.textContent} ${width} ${height}`)"""
+
 
 def serious(frame, source: str) -> list:
     frame.evaluate(source + "; null")
@@ -33,6 +38,7 @@ def test_no_serious_finding_in_any_view(desk, scheme):
     source = (library_folder().parent / "dev/node_modules/axe-core/axe.min.js").read_text()
     page.emulate_media(color_scheme=scheme)
     assert serious(desk.stop_frame, source) == []
+    assert desk.stop_frame.get_by_role("button", name="STOP", exact=True).count() == 1
     for view in VIEWS:
         page.click(f"#tab-{view}")
         page.evaluate("() => document.querySelectorAll('details').forEach((d) => d.open = true)")
@@ -48,6 +54,16 @@ def test_few_words_by_themselves_and_few_stops_of_tab(desk):
         assert page.evaluate(TALKS) <= 4, view
     page.click("#tab-scope")
     assert page.evaluate(STOPS) <= 60
+
+
+def test_a_finger_finds_every_control_on_a_telephone(desk):
+    page = desk.open(**TELEPHONE)
+    assert page.frames[1].evaluate(SMALL) == []
+    for view in VIEWS:
+        page.locator(f"#tab-{view}").tap()
+        page.evaluate("() => document.querySelectorAll('details').forEach((d) => (d.open = true))")
+        assert page.evaluate(SMALL) == [], view
+    page.close()
 
 
 def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):

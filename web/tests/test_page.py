@@ -162,6 +162,8 @@ def test_everything_by_keyboard(desk):
     page.keyboard.press("e")
     page.keyboard.press("Enter")
     desk.until("() => mctool.machine.enabled")
+    page.keyboard.press("c")
+    desk.eventually(lambda: "has control" in page.inner_text("#said"))  # it is not given back
     page.keyboard.press("1")
     assert page.evaluate("() => document.activeElement.id") == "axis1-panel"
     page.keyboard.press("ArrowRight")
@@ -259,6 +261,8 @@ def test_a_sentence_for_each_mistake(desk):
     desk.eventually(lambda: chosen(page, "#axis0-mode") == "pos")
     enter(page, "#axis0-setpoint", "51")
     desk.eventually(lambda: "beyond the limits plo and phi, -50 to 50" in page.inner_text("#said"))
+    enter(page, "#interval", "2000")
+    desk.eventually(lambda: desk.link.request("call", request="MGETINTERVAL")["value"] == 2000)
     page.click("#tab-tune")
     enable(page)
     for field, name in (("#tune-wn", "bandwidth"), ("#tune-half", "safe counts")):

@@ -8,7 +8,7 @@ const [site, name, ...more] = process.argv.slice(2);
 const engine = `${site}/engine/`;
 globalThis.require = createRequire(import.meta.url); // what emscripten's loader takes for granted
 globalThis.__dirname = engine;
-const json = (path) => JSON.parse(readFileSync(engine + path));
+const json = path => JSON.parse(readFileSync(engine + path));
 
 export { more };
 export const { Past } = await import(`${engine}past.js`);
@@ -24,4 +24,4 @@ const { default: load } = await import(`${path}.mjs`);
 const module = await load({ wasmBinary: readFileSync(`${path}.wasm`) });
 
 /** A machine of the scenario; changes: to it, as of Sim. */
-export const machine = (changes) => new Sim(module, knowledge.layouts, setup, changes);
+export const machine = changes => new Sim(module, knowledge.layouts, setup, changes);

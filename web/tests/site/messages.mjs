@@ -10,7 +10,7 @@ import { constants, machine, makeRecord, more, Past, Server, Session, setup, ver
 
 const sim = machine();
 const replies = [];
-const say = (message) => message.type === "reply" && replies.push(message);
+const say = message => message.type === "reply" && replies.push(message);
 const session = new Session(sim, setup, constants);
 const server = new Server(sim, setup, session, constants, say, new Past(sim, null), waves);
 server.state({ paused: 1 });

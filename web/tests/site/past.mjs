@@ -5,11 +5,11 @@
 import { constants, machine, more, Past, Session, setup, waves } from "./engine.mjs";
 
 let seed = 1989;
-const random = (n) => {
+const random = n => {
   seed = (seed * 1103515245 + 12345) % 2 ** 31;
   return Math.floor((seed / 2 ** 31) * n);
 };
-const another = (skip) => machine({ skip });
+const another = skip => machine({ skip });
 const sim = another(1);
 const past = new Past(sim, another);
 const server = sim.serve();

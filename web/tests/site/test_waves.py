@@ -8,19 +8,17 @@ import sys
 from pathlib import Path
 
 import pytest
-from bench import picture
+from bench import TELEPHONE, picture, saved, until
 
 from mmcs import BUILD, parse, replay, trace, waves
 
 PS_PER_CLK, BEFORE_CLKS = 125_000, 63  # a trace counts from the reset before power-on
 HZ = 8_000_000
 SITE = BUILD / "web"
-READING = "() => document.getElementById('waves-reading').textContent"
+DRAWN = "document.querySelector('.waves')?.dataset.from"
+READING = "document.getElementById('waves-reading').textContent"
+SETPOINTS = "() => [0, 1, 2, 3, 4, 5].map((n) => mctool.machine.setpoint(n))"
 ASK = "wanted => mctool.machine.link.request('waves', wanted)"
-
-
-def drawn(page) -> None:
-    page.wait_for_function("() => document.querySelector('.waves')?.dataset.from")
 
 
 def changes(values, begin: int, end: int, mask: int) -> list[tuple[int, int]]:
@@ -36,7 +34,7 @@ def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path)
     import pywellen
 
     page = opened("?scenario=puma560_bounce&paused=1&deadman=240000")
-    page.wait_for_function("() => mctool.machine.controls && mctool.machine.enabled")
+    until(page, "mctool.machine.controls && mctool.machine.enabled")
     page.evaluate("""async () => {
       const { machine } = mctool;
       await machine.link.request("pace", { paused: false });
@@ -47,10 +45,7 @@ def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path)
     }""")
     page.wait_for_selector("#record:not([disabled])")
     page.evaluate("() => mctool.machine.link.request('pace', { paused: true })")
-    with page.expect_download() as download:
-        page.click("#record")
-    path = tmp_path / "run.mmcs"
-    download.value.save_as(path)
+    path = saved(page, "#record", tmp_path)
     record = parse(path, json.loads(path.read_text()))
     at = record.motion_start_s + record.data["call"][-1]["at"] + 0.001
     made = page.evaluate(ASK, {"t": at, "ms": 2})
@@ -78,9 +73,8 @@ def test_waveforms_are_those_of_a_native_trace_of_the_same_run(opened, tmp_path)
 def test_the_past_is_made_again_to_the_bit_whatever_was_done(name, steps):
     """Requests, registers by hand, faults, STOP, going back, at random: no hair of difference."""
     node, past = Path(sys.executable).with_name("node"), Path(__file__).with_name("past.mjs")
-    ended = subprocess.run(
-        [node, past, SITE, name, str(steps)], capture_output=True, text=True, check=False
-    )
+    command = [node, past, SITE, name, str(steps)]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
     found = json.loads(ended.stdout)
     assert found["same"] >= steps / 10 and found["drawn"] > 5000
@@ -90,14 +84,11 @@ def test_the_past_is_made_again_to_the_bit_whatever_was_done(name, steps):
 @pytest.mark.pictures
 def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     page = opened("?scenario=puma560&deadman=240000")  # starved, it is silent for long
-    page.wait_for_function("() => document.body.dataset.hash")
+    until(page, "document.body.dataset.hash")
     page.click("#pause")
-    page.evaluate("""() => {
-      const { history } = mctool.machine;
-      mctool.page.look(history.time(history.end - 1) - 0.2);
-    }""")
+    page.evaluate("() => mctool.page.look(mctool.machine.history.now - 0.2)")
     page.click("#waves")
-    drawn(page)
+    until(page, DRAWN)
     at = page.evaluate("() => Number(document.getElementById('waves-t').value)")
     page.click("#tab-scope")
     page.click("#scope-run")
@@ -108,12 +99,10 @@ def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     page.keyboard.press("a")
     page.click("#tab-waves")
     page.click("#waves-scope")
-    page.wait_for_function(
-        "t => Math.abs(document.querySelector('.waves').dataset.from - t) > 0.01", arg=at
-    )
+    until(page, f"Math.abs(document.querySelector('.waves').dataset.from - {at}) > 0.01")
     by_scope = float(page.input_value("#waves-t"))
     answer = page.evaluate(ASK, {"t": by_scope, "ms": 2})
-    setpoints = page.evaluate("() => [0, 1, 2, 3, 4, 5].map((n) => mctool.machine.setpoint(n))")
+    setpoints = page.evaluate(SETPOINTS)
     page.focus("#waves-canvas")
     names = [s["name"] for group in answer["groups"] for s in group["signals"]]
     for _ in range(names.index("vme_a_i")):
@@ -124,47 +113,38 @@ def test_moments_by_scope_slider_and_number_and_all_of_it_by_keyboard(opened):
     page.keyboard.press("a")
     for clock in later[:2]:
         page.keyboard.press("ArrowRight")
-        page.wait_for_function(f"{READING[6:]}.startsWith('{clock / HZ:.7f} s: vme_a_i')")
+        until(page, f"{READING}.startsWith('{clock / HZ:.7f} s: vme_a_i')")
     page.keyboard.press("b")
-    page.wait_for_function(f"{READING[6:]}.includes('Δ')")
+    until(page, f"{READING}.includes('Δ')")
     for key in "+++-":
         page.keyboard.press(key)
     page.keyboard.press("Shift+ArrowLeft")
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function(f"{READING[6:]}.startsWith('{later[0] / HZ:.7f} s')")
+    until(page, f"{READING}.startsWith('{later[0] / HZ:.7f} s')")
     page.wait_for_timeout(300)
     picture(page, "web_waves")
-    assert (
-        page.evaluate("() => [0, 1, 2, 3, 4, 5].map((n) => mctool.machine.setpoint(n))")
-        == setpoints
-    )  # nothing was nudged
-    known = "still known"
-    for t, ms, said in (
-        *(("1e9", "2", known), ("soon", "2", "no time"), ("1", "two", "no time")),
-        *(("1", ms, "up to 20") for ms in ("21", "-1")),
-    ):
+    assert page.evaluate(SETPOINTS) == setpoints  # nothing was nudged
+    wrong = {"1e9 2": "still known", "soon 2": "no time", "1 two": "no time", "1 21": "up to 20"}
+    for (t, ms), said in ((typed.split(), said) for typed, said in wrong.items()):
         page.fill("#waves-t", t)
         page.fill("#waves-ms", ms)
         page.press("#waves-ms", "Enter")
-        page.wait_for_function("said => document.getElementById('said').textContent.includes(said)",
-                               arg=said)  # fmt: skip
+        until(page, f"document.getElementById('said').textContent.includes('{said}')")
 
 
 @pytest.mark.req("TOOL-1")
 def test_waveforms_on_a_telephone(opened):
-    page = opened(
-        "?scenario=lab500", viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
-    )
-    page.wait_for_function("() => document.body.dataset.hash")
+    page = opened("?scenario=lab500", **TELEPHONE)
+    until(page, "document.body.dataset.hash")
     page.locator("#tab-waves").tap()
     page.locator("#waves-now").tap()
-    drawn(page)
+    until(page, DRAWN)
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
     before = page.evaluate(READING)
     canvas = page.locator("#waves-canvas")
     canvas.scroll_into_view_if_needed()
     canvas.tap(position={"x": 300, "y": 120})
-    page.wait_for_function(f"before => {READING[6:]} !== before", arg=before)
+    until(page, f"{READING} !== {json.dumps(before)}")
     page.locator("#waves-in").tap()
     page.locator("#waves-a").tap()
-    page.wait_for_function(f"{READING[6:]}.includes('A ')")
+    until(page, f"{READING}.includes('A ')")
