@@ -63,8 +63,7 @@ class Program(Connection):
         self._request = b""  # the packet that is to be served
         self._name = bytes(address).strip(b"\0") if address else b""
         self._files: dict[bytes, Program] = server.files
-        self.client = None  # of a file: its mmcs_client, and O_RDONLY, O_WRONLY or O_RDWR
-        self.access = 0
+        self.client = None  # of a file: its mmcs_client
         self.holders: Holders | None = None
         self._said = ""  # by the driver, when the last call on this channel failed
         self._paused_at: float | None = None  # the clock on the wall when its request met a pause
@@ -172,7 +171,7 @@ class Program(Connection):
             return -wire.EIO, b""
         file.holders.add(pid)
         if op == wire.HOLD:
-            return int(file.client.driver < 0) | file.access << 1, b""
+            return int(file.client.driver < 0), b""
         result, out = self._of_file(file.client, op, a, b, payload, name, pid)
         if result < 0:
             self._said = self.machine.said or self._because(file.client, -result, op, a, payload)
@@ -228,7 +227,7 @@ class Program(Connection):
         if result < 0:
             machine.leave(client)
             return result
-        self.client, self.access = client, flags & os.O_ACCMODE
+        self.client = client
         self.holders = Holders(inode, bool(flags & wire.GENTLE))
         self.holders.add(pid)
         self._files[self._name] = self

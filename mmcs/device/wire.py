@@ -32,7 +32,7 @@ REQUEST, REPLY = map(_layout, ("wire_request", "wire_reply"))
 STATUS = _layout("mmcs_status")
 OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, CHANGE, LINE, *_ = _numbers("wire_op")
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = _numbers("wire_bus")
-_, _, MAX_DATA, MAGIC = _numbers("wire_number")
+_, MAX_DATA, MAGIC = _numbers("wire_number")
 GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
 MAX_PATH = 256
 

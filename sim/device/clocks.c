@@ -14,8 +14,6 @@
 
 #include "device.h"
 
-#define ALARM 0 /* the number of the timer of alarm() and setitimer() */
-
 /* --- clocks ---------------------------------------------------------------------------- */
 
 int clock_gettime(clockid_t clock, struct timespec *at) {
@@ -50,48 +48,88 @@ int timespec_get(struct timespec *at, int base) {
 
 /* --- timers ---------------------------------------------------------------------------- */
 
-static void tell_left(const struct wire_timer *timer, struct itimerspec *left) {
-  uint64_t now = lock_now();
-  if (left == NULL) return;
-  left->it_interval = lock_span(timer->interval);
-  left->it_value = lock_span(timer->first == 0 ? 0 : timer->first > now ? timer->first - now : 1);
+#define TIMERS 64
+
+static struct timer {
+  uint64_t first, interval; /* ns; first = machine time, 0: off */
+  clockid_t clock;
+  int signal, file; /* what an end sends, or is written to; 0: none */
+  union sigval value;
+  int taken;
+} timers[TIMERS] = {
+    {.signal = SIGALRM, .taken = 1}}; /* of alarm(), of others; a timer_t is a place */
+
+static struct timer *made(clockid_t clock, int signal, int file) {
+  for (struct timer *t = timers; t < timers + TIMERS; t++) {
+    if (t->taken && (file == 0 || t->file != file)) continue;
+    *t = (struct timer){.clock = clock, .signal = signal, .file = file, .taken = 1};
+    t->value.sival_int = (int)(t - timers);
+    return t;
+  }
+  errno = EAGAIN;
+  return NULL;
 }
 
-/* Sets a timer of the server, or asks (`to` is null); what was left of it. */
-static int set_timer(uint64_t number, const struct wire_timer *to, struct itimerspec *left) {
-  struct wire_timer before = {0};
-  uint32_t room = sizeof(before);
-  int result = lock_ask(WIRE_TIMER, number, 0, to, to != NULL ? sizeof(*to) : 0, &before, &room);
-  if (result >= 0) tell_left(&before, left);
-  return device_fail(result);
+static struct timer *timer_of(timer_t id) {
+  const uintptr_t number = (uintptr_t)id;
+  return number > 0 && number < TIMERS && timers[number].taken ? &timers[number] : NULL;
+}
+
+static struct timer *timer_of_file(int file) {
+  struct timer *t = timers;
+  while (t < timers + TIMERS && t->file != file) t++;
+  return file > 0 && t < timers + TIMERS ? t : NULL;
 }
 
 static int is_time(const struct timespec *at) {
-  if (at->tv_sec >= 0 && at->tv_sec <= INT32_MAX && at->tv_nsec >= 0 && at->tv_nsec < SECOND)
-    return 1;
-  errno = EINVAL;
-  return 0;
+  return at->tv_sec >= 0 && at->tv_sec <= INT32_MAX && at->tv_nsec >= 0 && at->tv_nsec < SECOND;
 }
 
-static int arm(struct wire_timer *timer, clockid_t clock, int absolute,
-               const struct itimerspec *to) {
-  if (!is_time(&to->it_value) || !is_time(&to->it_interval)) return -1;
-  timer->interval = lock_ns(&to->it_interval);
-  timer->first = 0;
-  if (lock_ns(&to->it_value) > 0) {
-    timer->first = absolute ? lock_until(clock, &to->it_value) : lock_after(lock_ns(&to->it_value));
-    if (timer->first == 0) timer->first = 1; /* it was long ago, and is not off */
+/* Either may be null. */
+static int set(struct timer *t, int absolute, const struct itimerspec *to,
+               struct itimerspec *before) {
+  const uint64_t now = lock_now();
+  if (t == NULL || (to != NULL && (!is_time(&to->it_value) || !is_time(&to->it_interval))))
+    return errno = EINVAL, -1;
+  if (before != NULL) {
+    before->it_interval = lock_span(t->interval);
+    before->it_value = lock_span(t->first == 0 ? 0 : t->first > now ? t->first - now : 1);
+  }
+  if (to == NULL) return 0;
+  t->interval = lock_ns(&to->it_interval);
+  t->first = 0;
+  if (to->it_value.tv_sec > 0 || to->it_value.tv_nsec > 0) {
+    t->first = absolute ? lock_until(t->clock, &to->it_value) : now + lock_ns(&to->it_value);
+    if (t->first == 0) t->first = 1; /* it was long ago, and is not off */
   }
   return 0;
 }
 
+uint64_t lock_timers(uint64_t now) {
+  uint64_t next = WIRE_NEVER;
+  for (struct timer *t = timers; t < timers + TIMERS; t++) {
+    uint64_t times = 1;
+    if (t->first > 0 && t->first <= now) {
+      if (t->interval > 0) times += (now - t->first) / t->interval;
+      t->first = t->interval > 0 ? t->first + times * t->interval : 0;
+      if (t->file > 0) (void)!syscall(SYS_write, t->file, &times, sizeof(times));
+      if (t->signal > 0) (void)sigqueue(wire_pid(), t->signal, t->value);
+    }
+    if (t->first > 0 && t->first < next) next = t->first;
+  }
+  return next;
+}
+
+void lock_forget_timers(void) {
+  for (struct timer *t = timers; t < timers + TIMERS; t++) t->first = 0;
+}
+
 int setitimer(__itimer_which_t which, const struct itimerval *to, struct itimerval *before) {
-  struct wire_timer timer = {.signal = SIGALRM};
   struct itimerspec at = {0}, left = {0};
   if (!lock_on() || which != ITIMER_REAL) return REAL(setitimer)(which, to, before);
   TIMEVAL_TO_TIMESPEC(&to->it_value, &at.it_value);
   TIMEVAL_TO_TIMESPEC(&to->it_interval, &at.it_interval);
-  if (arm(&timer, CLOCK_MONOTONIC, 0, &at) < 0 || set_timer(ALARM, &timer, &left) < 0) return -1;
+  if (set(timers, 0, &at, &left) < 0) return -1;
   if (before != NULL) {
     TIMESPEC_TO_TIMEVAL(&before->it_value, &left.it_value);
     TIMESPEC_TO_TIMEVAL(&before->it_interval, &left.it_interval);
@@ -102,7 +140,7 @@ int setitimer(__itimer_which_t which, const struct itimerval *to, struct itimerv
 int getitimer(__itimer_which_t which, struct itimerval *now) {
   struct itimerspec left = {0};
   if (!lock_on() || which != ITIMER_REAL) return REAL(getitimer)(which, now);
-  if (set_timer(ALARM, NULL, &left) < 0) return -1;
+  (void)set(timers, 0, NULL, &left);
   TIMESPEC_TO_TIMEVAL(&now->it_value, &left.it_value);
   TIMESPEC_TO_TIMEVAL(&now->it_interval, &left.it_interval);
   return 0;
@@ -121,46 +159,26 @@ useconds_t ualarm(useconds_t us, useconds_t interval) {
   return (useconds_t)(left.it_value.tv_sec * 1000000 + left.it_value.tv_usec);
 }
 
-/* A timer_t is its number. */
-static struct own {
-  struct wire_timer with;
-  clockid_t clock;
-} own[WIRE_TIMERS];
-static unsigned next_own = 1;
-
-static struct own *own_of(timer_t id) {
-  uintptr_t number = (uintptr_t)id;
-  if (number > 0 && number < next_own) return &own[number];
-  errno = EINVAL;
-  return NULL;
-}
-
 CALL(int, timer_create, (clockid_t clock, struct sigevent *event, timer_t *id),
      (clock, event, id)) {
-  struct own made = {{.signal = SIGALRM}, clock};
-  if (next_own == sizeof(own) / sizeof(own[0])) return errno = EAGAIN, -1;
-  made.with.value = next_own;
-  if (event != NULL) {
-    if (event->sigev_notify == SIGEV_THREAD) return errno = EINVAL, -1;
-    made.with.signal = event->sigev_notify == SIGEV_NONE ? 0 : event->sigev_signo;
-    made.with.value = (uint64_t)(uintptr_t)event->sigev_value.sival_ptr;
-  }
-  own[next_own] = made;
-  *id = (timer_t)(uintptr_t)next_own++;
+  struct timer *t;
+  if (event != NULL && event->sigev_notify == SIGEV_THREAD) return errno = EINVAL, -1;
+  t = made(clock, event == NULL ? SIGALRM : event->sigev_signo, 0);
+  if (t == NULL) return -1;
+  if (event != NULL && event->sigev_notify == SIGEV_NONE) t->signal = 0;
+  if (event != NULL) t->value = event->sigev_value;
+  *id = (timer_t)(t - timers);
   return 0;
 }
 
 CALL(int, timer_settime,
      (timer_t id, int flags, const struct itimerspec *to, struct itimerspec *before),
      (id, flags, to, before)) {
-  struct own *t;
-  t = own_of(id);
-  if (t == NULL || arm(&t->with, t->clock, flags & TIMER_ABSTIME, to) < 0) return -1;
-  return set_timer((uintptr_t)id, &t->with, before);
+  return set(timer_of(id), flags & TIMER_ABSTIME, to, before);
 }
 
 CALL(int, timer_gettime, (timer_t id, struct itimerspec *now), (id, now)) {
-  return own_of(id) != NULL ? set_timer((uintptr_t)id, NULL, now) : -1;
+  return set(timer_of(id), 0, NULL, now);
 }
 
 int timer_getoverrun(timer_t id) {
@@ -168,49 +186,26 @@ int timer_getoverrun(timer_t id) {
 }
 
 CALL(int, timer_delete, (timer_t id), (id)) {
-  const struct wire_timer off = {0};
-  return own_of(id) != NULL ? set_timer((uintptr_t)id, &off, NULL) : -1;
-}
-
-/* An eventfd, which is read and polled like a timerfd, and which this process writes to. */
-static struct own files[1024];
-static int most_files; /* have been set */
-
-CALL(int, timerfd_create, (clockid_t clock, int flags), (clock, flags)) {
-  int fd;
-  fd = eventfd(0,
-               (flags & TFD_NONBLOCK ? EFD_NONBLOCK : 0) | (flags & TFD_CLOEXEC ? EFD_CLOEXEC : 0));
-  if (fd >= 0 && fd < 1024) files[fd] = (struct own){{0}, clock};
-  return fd;
-}
-
-int timerfd_settime(int fd, int flags, const struct itimerspec *to, struct itimerspec *before) {
-  if (!lock_on() || fd < 0 || fd >= 1024) return REAL(timerfd_settime)(fd, flags, to, before);
-  tell_left(&files[fd].with, before);
-  if (fd >= most_files) most_files = fd + 1;
-  return arm(&files[fd].with, files[fd].clock, flags & TFD_TIMER_ABSTIME, to);
-}
-
-CALL(int, timerfd_gettime, (int fd, struct itimerspec *now), (fd, now)) {
-  tell_left(&files[fd].with, now);
+  struct timer *t = timer_of(id);
+  if (t == NULL) return errno = EINVAL, -1;
+  *t = (struct timer){0};
   return 0;
 }
 
-uint64_t lock_timers(uint64_t now) {
-  uint64_t next = WIRE_NEVER;
-  for (int fd = 0; fd < most_files; fd++) {
-    struct wire_timer *timer = &files[fd].with;
-    uint64_t times = 1;
-    if (timer->first > 0 && timer->first <= now) {
-      if (timer->interval > 0) times += (now - timer->first) / timer->interval;
-      timer->first = timer->interval > 0 ? timer->first + times * timer->interval : 0;
-      (void)!syscall(SYS_write, fd, &times, sizeof(times));
-    }
-    if (timer->first > 0 && timer->first < next) next = timer->first;
-  }
-  return next;
+/* An eventfd, which is read and polled like a timerfd, and which this process writes to. */
+CALL(int, timerfd_create, (clockid_t clock, int flags), (clock, flags)) {
+  const int how =
+      (flags & TFD_NONBLOCK ? EFD_NONBLOCK : 0) | (flags & TFD_CLOEXEC ? EFD_CLOEXEC : 0);
+  const int fd = eventfd(0, how);
+  return fd >= 0 && made(clock, 0, fd) == NULL ? -1 : fd;
 }
 
-void lock_forget_timers(void) {
-  most_files = 0;
+CALL(int, timerfd_settime,
+     (int fd, int flags, const struct itimerspec *to, struct itimerspec *before),
+     (fd, flags, to, before)) {
+  return set(timer_of_file(fd), flags & TFD_TIMER_ABSTIME, to, before);
+}
+
+CALL(int, timerfd_gettime, (int fd, struct itimerspec *now), (fd, now)) {
+  return set(timer_of_file(fd), 0, NULL, now);
 }

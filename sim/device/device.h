@@ -77,8 +77,6 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
 int device_copy_in(void *to, const void *from, size_t length);
 int device_copy_out(void *to, const void *from, size_t length);
 int device_can_take(void *to, size_t length);
-/* 1 if an open device is /dev/vme16. */
-int device_is_vme(const char name[WIRE_NAME]);
 /* 1 if the path names a device that may be opened here. */
 int device_is_path(const char *path);
 /* files.c: a stream that reads and writes a descriptor by the calls here. */
@@ -129,6 +127,8 @@ void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, 
 int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t length);
 /* Before a call to the server: it must not overtake such a write(). */
 void lock_write_first(void);
+/* After it, when it may have taken machine time. */
+void lock_after_call(void);
 /* What a call that takes long lets through, if not all that the program does. */
 const sigset_t *lock_late(const sigset_t *before);
 
@@ -138,7 +138,7 @@ uint64_t lock_ns(const struct timespec *span);
 /* ns of machine time: a span from now, and a time of a clock (relative ones count from now). */
 uint64_t lock_after(uint64_t ns);
 uint64_t lock_until(clockid_t clock, const struct timespec *at);
-/* clocks.c: makes the descriptors of timers readable that have run out; when the next one will. */
+/* clocks.c: does what timers do that have run out; when the next one will. */
 uint64_t lock_timers(uint64_t now);
 void lock_forget_timers(void);
 

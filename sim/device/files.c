@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The devices as files, for the calls that never reach open(), read() and write() of preload.c:
- * stat and access of the path, stdio (which calls the kernel by itself), vectors of buffers, and
- * places, §2.3.
+ * stat and access of the path, vectors of buffers, and stdio, which calls the kernel by itself,
+ * §2.3.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -40,58 +40,21 @@ static struct stat stat_path(const char *path) {
   return status;
 }
 
-/* The inode stays: it names the file to the server. */
-static int stat_open(int fd, struct stat *status) {
-  char name[WIRE_NAME];
-  if (syscall(SYS_fstat, fd, status) < 0) return -1;
-  if (wire_is_file(fd, name)) {
-    status->st_mode = MODE;
-    status->st_rdev = makedev(device_is_vme(name) ? VME_MAJOR : MC_MAJOR, 0);
-  }
-  return 0;
-}
-
-static int stat_at(int folder, const char *path, struct stat *status, int flags) {
-  if (device_is_path(path)) {
-    struct stat found = stat_path(path);
-    return device_fail(device_copy_out(status, &found, sizeof(found)));
-  }
-  if ((flags & AT_EMPTY_PATH) && path != NULL && *path == '\0') return stat_open(folder, status);
-  return (int)syscall(SYS_newfstatat, folder, path, status, flags);
-}
-
-int stat(const char *path, struct stat *status) {
-  return stat_at(AT_FDCWD, path, status, 0);
-}
-int lstat(const char *path, struct stat *status) {
-  return stat_at(AT_FDCWD, path, status, AT_SYMLINK_NOFOLLOW);
-}
-int fstat(int fd, struct stat *status) {
-  return stat_open(fd, status);
-}
 int fstatat(int folder, const char *path, struct stat *status, int flags) {
-  return stat_at(folder, path, status, flags);
-}
-
-SAME(stat64, stat);
-SAME(lstat64, lstat);
-SAME(fstat64, fstat);
-SAME(fstatat64, fstatat);
-
-int statx(int folder, const char *restrict path, int flags, unsigned mask,
-          struct statx *restrict status) {
-  struct statx found = {.stx_mode = MODE, .stx_nlink = 1};
-  struct stat plain;
-  if (!device_is_path(path)) return (int)syscall(SYS_statx, folder, path, flags, mask, status);
-  plain = stat_path(path);
-  found.stx_mask = STATX_TYPE | STATX_MODE | STATX_NLINK | STATX_UID | STATX_GID | STATX_INO;
-  found.stx_uid = plain.st_uid;
-  found.stx_gid = plain.st_gid;
-  found.stx_ino = plain.st_ino;
-  found.stx_rdev_major = major(plain.st_rdev);
-  found.stx_rdev_minor = minor(plain.st_rdev);
+  struct stat found;
+  if (!device_is_path(path)) return (int)syscall(SYS_newfstatat, folder, path, status, flags);
+  found = stat_path(path);
   return device_fail(device_copy_out(status, &found, sizeof(found)));
 }
+int stat(const char *path, struct stat *status) {
+  return fstatat(AT_FDCWD, path, status, 0);
+}
+int lstat(const char *path, struct stat *status) {
+  return fstatat(AT_FDCWD, path, status, AT_SYMLINK_NOFOLLOW);
+}
+SAME(stat64, stat);
+SAME(lstat64, lstat);
+SAME(fstatat64, fstatat);
 
 int faccessat(int folder, const char *path, int mode, int flags) {
   if (!device_is_path(path)) return REAL(faccessat)(folder, path, mode, flags);
@@ -100,63 +63,40 @@ int faccessat(int folder, const char *path, int mode, int flags) {
 int access(const char *path, int mode) {
   return faccessat(AT_FDCWD, path, mode, 0);
 }
-int euidaccess(const char *path, int mode) {
-  return faccessat(AT_FDCWD, path, mode, AT_EACCESS);
-}
-SAME(eaccess, euidaccess);
 
-/* --- vectors, places ------------------------------------------------------------------- */
+/* --- vectors --------------------------------------------------------------------------- */
 
-typedef __typeof__(process_vm_readv) move_fn;
-
-/* Moves bytes of the program's vector, by the kernel, which knows what may be touched: the sum of
- * its lengths, or a negative errno. */
-static ssize_t move(move_fn *way, void *data, size_t most, const struct iovec *vector, int count) {
-  struct iovec local = {data, most};
-  ssize_t moved = way(wire_pid(), &local, 1, vector, (unsigned long)count, 0);
-  size_t length = 0;
-  if (moved < 0) return -errno;
-  for (int i = 0; i < count; i++) {
-    if (vector[i].iov_len > SSIZE_MAX - length) return -EINVAL;
-    length += vector[i].iov_len;
-  }
-  return moved < (ssize_t)(length < most ? length : most) ? -EFAULT : (ssize_t)length;
+static size_t sum_of(const struct iovec *vector, int count) {
+  size_t sum = 0;
+  for (int i = 0; i < count && sum <= MOST; i++)
+    sum += vector[i].iov_len < MOST ? vector[i].iov_len : MOST + 1;
+  return sum;
 }
 
 ssize_t writev(int fd, const struct iovec *vector, int count) {
   char name[WIRE_NAME], data[MOST];
-  ssize_t length;
+  size_t done = 0;
   if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
-  length = move(process_vm_readv, data, MOST, vector, count);
-  if (length > MOST) length = -EINVAL;
-  return device_fail((int)(length < 0 ? length : device_write(name, data, (size_t)length)));
+  if (sum_of(vector, count) > MOST) return device_fail(-EINVAL);
+  for (int i = 0; i < count; done += vector[i++].iov_len)
+    if (device_copy_in(data + done, vector[i].iov_base, vector[i].iov_len) < 0)
+      return device_fail(-EFAULT);
+  return device_fail((int)device_write(name, data, done));
 }
 
-/* What is there is moved out and in again first: can states be written there? */
 ssize_t readv(int fd, const struct iovec *vector, int count) {
   char name[WIRE_NAME], data[MOST];
-  ssize_t got;
+  const size_t sum = sum_of(vector, count);
+  ssize_t got, done = 0;
   if (!wire_is_file(fd, name)) return syscall(SYS_readv, fd, vector, count);
-  got = move(process_vm_readv, data, MOST, vector, count);
-  if (got >= 0) got = move(process_vm_writev, data, MOST, vector, count);
-  if (got >= 0) got = device_read(name, data, (size_t)got);
-  if (got > 0) (void)move(process_vm_writev, data, (size_t)got, vector, count);
+  got = device_read(name, data, sum < MOST ? sum : MOST);
+  for (int i = 0; done < got; done += (ssize_t)vector[i++].iov_len) {
+    const size_t left = (size_t)(got - done),
+                 part = vector[i].iov_len < left ? vector[i].iov_len : left;
+    if (device_copy_out(vector[i].iov_base, data + done, part) < 0) return device_fail(-EFAULT);
+  }
   return device_fail((int)got);
 }
-
-/* A device has no places: as read() and write(). */
-ssize_t pread(int fd, void *buffer, size_t length, off_t at) {
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return syscall(SYS_pread64, fd, buffer, length, at);
-  return read(fd, buffer, length);
-}
-ssize_t pwrite(int fd, const void *buffer, size_t length, off_t at) {
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return syscall(SYS_pwrite64, fd, buffer, length, at);
-  return write(fd, buffer, length);
-}
-SAME(pread64, pread);
-SAME(pwrite64, pwrite);
 
 /* --- stdio ------------------------------------------------------------------------------ */
 

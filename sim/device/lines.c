@@ -75,22 +75,6 @@ void turns_closes(struct turns *t, const mmcs_client *client) {
   }
 }
 
-/* --- timers ---------------------------------------------------------------------------- */
-
-void run_out(struct turns *t, struct process *p, uint64_t now) {
-  EACH_TIMER(p, timer) {
-    const union sigval value = {.sival_ptr = (void *)(uintptr_t)timer->value};
-    if (timer->first > now) continue;
-    if (timer->interval > 0)
-      timer->first += (1 + (now - timer->first) / timer->interval) * timer->interval;
-    else
-      timer->first = 0;
-    if (timer->signal <= 0 || timer->signal > 64) continue;
-    (void)sigqueue(p->pid, (int)timer->signal, value);
-    turns_signalled(t, p->pid, BIT(timer->signal));
-  }
-}
-
 /* --- answers --------------------------------------------------------------------------- */
 
 static void reply(int fd, int result, const void *data, uint32_t length) {
@@ -142,8 +126,6 @@ static int wake(struct line *l, uint64_t key, uint64_t count) {
 
 static int is_well_formed(const struct wire_request *r, const void *data) {
   struct wire_wait wait;
-  if (r->op == WIRE_TIMER)
-    return r->a < WIRE_TIMERS && (r->length == 0 || r->length == sizeof(struct wire_timer));
   if (r->op != WIRE_WAIT) return r->length == 0 && r->op >= WIRE_LINE && r->op <= WIRE_CANCEL;
   if (r->length < sizeof(wait)) return 0;
   memcpy(&wait, data, sizeof(wait));
@@ -154,7 +136,6 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
   struct process *p = l->process;
   int result = 0;
   struct wire_wait wait;
-  struct wire_timer timer;
   struct wire_now moment;
   t->requests++;
   if (!is_well_formed(r, data)) {
@@ -172,11 +153,6 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
       return;
     case WIRE_CANCEL:
       if (l->state == WAITS) ready(l, CAUSE_SIGNAL);
-      return;
-    case WIRE_TIMER:
-      timer = p->timer[r->a];
-      if (r->length > 0) memcpy(&p->timer[r->a], data, sizeof(timer));
-      reply(l->fd, 0, &timer, sizeof(timer));
       return;
     case WIRE_NOW:
       moment = now(t, p);

@@ -247,6 +247,11 @@ void lock_write_first(void) {
     (void)lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room);
 }
 
+/* A timer that has run out meanwhile sends its signal. */
+void lock_after_call(void) {
+  if (lock_on() && lock_timers(now_ns) != WIRE_NEVER) (void)lock_now();
+}
+
 static int wait_once(const struct wire_wait *head, const int *files, const sigset_t *mask,
                      int *heard) {
   char data[sizeof(*head) + 4 * 64];
@@ -277,6 +282,7 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
               const sigset_t *mask, int keep) {
   struct wire_wait head = {.key = (uint64_t)(uintptr_t)key};
   const int restart = (what & LOCK_RESTARTS) != 0;
+  const int timed = what & WAIT_SAMPLE ? CAUSE_WOKEN : CAUSE_DUE;
   sigset_t all, before, meanwhile;
   int cause, saved = errno;
   sigfillset(&all);
@@ -288,7 +294,7 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   for (;;) {
     uint64_t come;
     int heard = 0;
-    head.until = what & WAIT_FILES ? lock_timers(now_ns) : WIRE_NEVER;
+    head.until = lock_timers(now_ns);
     if (until < head.until) head.until = until;
     head.pending = pending();
     cause = (head.pending & ~head.mask) != 0 && !(what & WAIT_DEAF)
@@ -296,7 +302,10 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
                 : wait_once(&head, files, &meanwhile, &heard);
     heard = heard && cause >= 0 && outside_ends(&meanwhile, restart);
     if (heard) cause = CAUSE_SIGNAL;
-    if (cause == CAUSE_DUE && head.until < until) cause = CAUSE_WOKEN; /* a timer's descriptor */
+    if (cause == timed && head.until < until && now_ns >= head.until) { /* a timer's */
+      if (!(what & (WAIT_FILES | WAIT_CHILD | WAIT_KEY))) continue;
+      cause = (pending() & ~head.mask) != 0 ? CAUSE_SIGNAL : CAUSE_WOKEN;
+    }
     if (cause != CAUSE_SIGNAL || keep) break;
     come = pending() & ~head.mask;
     pthread_sigmask(SIG_SETMASK, &meanwhile, NULL);

@@ -197,31 +197,10 @@ int ioctl(int fd, unsigned long request, ...) {
 
 /* --- fork and exec: who holds the file, for SIGUSR1. close() is the kernel's business. --- */
 
-/* Which device, and how it was opened; or a negative errno. */
+/* 1: it is /dev/vme16. */
 static int hold_file(const char name[WIRE_NAME]) {
-  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
+  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL) == 1;
 }
-
-int device_is_vme(const char name[WIRE_NAME]) {
-  int held = hold_file(name);
-  return held >= 0 && (held & 1) != 0;
-}
-
-/* The socket is open both ways; all other flags are the kernel's business. */
-int fcntl(int fd, int command, ...) {
-  char file[WIRE_NAME];
-  va_list list;
-  void *argument;
-  int result, held;
-  va_start(list, command);
-  argument = va_arg(list, void *);
-  va_end(list);
-  result = (int)syscall(SYS_fcntl, fd, command, argument);
-  if (result < 0 || command != F_GETFL || !wire_is_file(fd, file)) return result;
-  held = hold_file(file);
-  return held < 0 ? device_fail(held) : ((result & ~O_ACCMODE) | (held >> 1 & 3));
-}
-SAME(fcntl64, fcntl);
 
 /* This process holds what it has inherited, by fork or across exec. */
 static void hold_all(void) {
@@ -251,7 +230,7 @@ void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offs
   char name[WIRE_NAME];
   if (fd < 0 || (flags & MAP_ANONYMOUS) || !wire_is_file(fd, name))
     return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
-  if (device_is_vme(name)) return vme_map(address, length, prot, fd, offset, name);
+  if (hold_file(name)) return vme_map(address, length, prot, fd, offset, name);
   errno = ENODEV;
   return MAP_FAILED;
 }

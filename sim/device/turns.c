@@ -270,14 +270,12 @@ static void release(struct turns *t, struct line *l) {
 void turns_passed(struct turns *t, int sampled) {
   const int64_t clock = clock_of(t);
   const uint64_t now = now_of(t);
-  EACH_PROCESS(t, p) run_out(t, p, now);
   EACH_LINE(t, p, l) {
     const unsigned what = l->wait.what;
-    if (l->state == WAITS && l->wait.until <= now) ready(l, CAUSE_DUE);
-    /* a signal that came with the sample takes it not away */
-    if (sampled && what & WAIT_SAMPLE && l->state != RUNS &&
-        (l->state == WAITS || l->cause == CAUSE_SIGNAL))
-      ready(l, CAUSE_DUE);
+    if (l->state == WAITS && l->wait.until <= now)
+      ready(l, what & WAIT_SAMPLE ? CAUSE_WOKEN : CAUSE_DUE);
+    /* a signal or timer that came with the sample takes it not away */
+    if (sampled && what & WAIT_SAMPLE && l->state != RUNS) ready(l, CAUSE_DUE);
     if (wants(l, WAIT_SAMPLE) && clock > l->patience) ready(l, CAUSE_LATE);
     if (l->outside) look(l);
   }
@@ -286,7 +284,6 @@ void turns_passed(struct turns *t, int sampled) {
 /* All that any thread waits for is another one. */
 static const struct process *deadlocked(const struct turns *t) {
   const struct process *found = NULL;
-  EACH_PROCESS(t, p) EACH_TIMER(p, timer) return NULL;
   EACH_LINE(t, p, l) {
     if (!wants(l, WAIT_KEY | WAIT_THREAD | WAIT_CHILD) || l->wait.until != WIRE_NEVER) return NULL;
     if (l->wait.what & (WAIT_KEY | WAIT_THREAD)) found = p;
@@ -310,7 +307,6 @@ static void pass_time(struct turns *t) {
     outside |= of_files && l->outside;
     if (of_files && files == NULL) files = l;
   }
-  EACH_PROCESS(t, p) EACH_TIMER(p, timer) if (timer->first < end) end = timer->first;
   if (files != NULL && end == WIRE_NEVER && !samples && !others) {
     ready(files, CAUSE_OUTSIDE); /* only the outside world can go on */
     return;

@@ -34,7 +34,6 @@ struct process {
   enum { STARTING, THERE, ENDED } state; /* STARTING: has no line yet, and will */
   int expected;                          /* threads of it of which the same holds */
   struct line *lines;
-  struct wire_timer timer[WIRE_TIMERS];
   struct wire_later *later; /* or null; in memory of this descriptor */
   int memory;
   /* Of the last read() and write(); events there were if it took no time and had no error, or -1 */
@@ -43,9 +42,6 @@ struct process {
   char name[WIRE_NAME]; /* of the file of that write() */
 };
 
-#define EACH_TIMER(p, i)                                                     \
-  for (struct wire_timer *i = (p)->timer; i < (p)->timer + WIRE_TIMERS; i++) \
-    if (i->first > 0)
 #define EACH_PROCESS(t, p) for (struct process *p = (t)->processes; p != NULL; p = p->next)
 #define EACH_LINE(t, p, l) \
   EACH_PROCESS(t, p) for (struct line *l = p->lines; l != NULL; l = l->next)
@@ -65,6 +61,5 @@ int64_t events_of(const struct turns *t);
 void see_signals(struct turns *t);
 void write_later(struct turns *t);
 void go_on(struct turns *t, struct line *l, enum wire_cause cause);
-void run_out(struct turns *t, struct process *p, uint64_t now);
 
 #endif

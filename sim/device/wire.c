@@ -9,7 +9,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -22,22 +21,22 @@
 /* Where the server is, as the environment said when the program began: it may clear that later. */
 static char server_path[sizeof(((struct sockaddr_un *)0)->sun_path)];
 
+static pid_t own_pid; /* getpid() without a call of the kernel */
+
+static void note_pid(void) {
+  own_pid = getpid();
+}
+
 __attribute__((constructor(101))) static void keep_path(void) {
   const char *path = getenv("MMCS_SOCKET");
   size_t length = path != NULL ? strlen(path) : sizeof(server_path);
   if (length < sizeof(server_path)) memcpy(server_path, path, length + 1);
+  note_pid();
+  (void)pthread_atfork(NULL, NULL, note_pid); /* before all that ask for it in the child */
 }
 
-/* getpid() without a call of the kernel, which clears the page in the child of a fork. */
 pid_t wire_pid(void) {
-  static pid_t *page;
-  if (page == NULL) {
-    void *made = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (made == MAP_FAILED || madvise(made, 4096, MADV_WIPEONFORK) != 0) return getpid();
-    page = made;
-  }
-  if (*page == 0) *page = getpid();
-  return *page;
+  return own_pid;
 }
 
 /* The preload library interposes read, write and close; these go straight to the kernel. */
@@ -252,6 +251,7 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
       put_channel(fd);
     }
   }
+  lock_after_call();
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   return result == LOST ? -EIO : result;
 }

@@ -20,7 +20,6 @@
 enum wire_number {
   WIRE_NAME = 16,
   WIRE_MAX = 65536,       /* most bytes that one call moves either way */
-  WIRE_TIMERS = 64,       /* of a process */
   WIRE_MAGIC = 0x31434D4D /* "MMC1" */
 };
 
@@ -33,8 +32,7 @@ enum wire_op {
   WIRE_WRITE = 4,  /* data = bytes */
   WIRE_LOAD = 5,   /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
   WIRE_STORE = 6,  /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec); result bit 0: of
-                      /dev/vme16; from bit 1: O_RDONLY, O_WRONLY or O_RDWR */
+  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
   WIRE_CHANGE = 8, /* a = axis, data = pairs of a field's place in struct mc_param and its value:
                       the other fields stay; reply data = struct mc_param */
   /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
@@ -46,8 +44,6 @@ enum wire_op {
                        it, as read() would give them */
   WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
-  WIRE_TIMER = 16,  /* a = number below WIRE_TIMERS, data = struct wire_timer, or none; reply data =
-                       what was left */
   WIRE_NOW = 17,    /* reply data = struct wire_now */
   WIRE_POKE = 18,   /* a = pid, b = signal: this thread has sent it one */
   WIRE_CANCEL = 19, /* on a line that waits: a signal from outside has come. It has no answer */
@@ -68,7 +64,7 @@ enum wire_what {
 /* Of what WIRE_WAIT answers. OUTSIDE: nobody attached can end it; time stands still meanwhile. */
 enum wire_cause {
   CAUSE_DUE = 0,
-  CAUSE_WOKEN = 1,
+  CAUSE_WOKEN = 1, /* or its time, where it waits for a sample */
   CAUSE_SIGNAL = 2,
   CAUSE_OUTSIDE = 3,
   CAUSE_LATE = 4 /* no servo sample came for 2.5 s of the machine */
@@ -98,12 +94,6 @@ struct wire_later {
   uint32_t due, length;
   char name[WIRE_NAME];
   char data[128]; /* of 32 axes */
-};
-
-struct wire_timer {
-  uint64_t first, interval; /* ns; first = machine time, 0: off */
-  uint64_t value;           /* goes with the signal */
-  int64_t signal;           /* 0: none */
 };
 
 /* With the flags of WIRE_OPEN: SIGUSR1 only to processes that catch it. */

