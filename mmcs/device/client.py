@@ -90,7 +90,7 @@ class Device:
             asked = _checked("flags", flags) & 0xFFFFFFFF | wire.GENTLE
             result, _ = _exchange(self._file, wire.OPEN, b"", asked, inode, os.fsencode(path))
             if result < 0:
-                raise OSError(-result, _sentence(-result, reasons.of_open(-result)), path)
+                raise OSError(-result, _sentence(-result, reasons.OF_OPEN.get(-result, "")), path)
         except BaseException:
             self._file.close()
             raise

@@ -61,14 +61,6 @@ class ServedMachine(Serving):
         if request == mcdef.MENABLE and (known := self.knows()):
             self.sim.tap_note(f"{known}: PANIC stands, and the brakes stay on")
 
-    def joints(self, client) -> int:
-        """Those that the servo controls now; asking takes no time."""
-        for axis in range(2 * self.cards):
-            param = bytes(mcdef.make_ffi().buffer(mcdef.new_param(axis)))
-            if self.sim.ioctl_bytes(client.driver, mcdef.MGETPARAM, param)[0] < 0:
-                return axis
-        return 2 * self.cards
-
     # --- what happens ---
 
     def wrong_values(self, name: str, t: float | None = None) -> dict[int, float]:

@@ -16,43 +16,6 @@ from mmcs.device.connection import Connection
 MOST_SAID = 1000  # bytes of why a call was refused
 LEASE = {struct.pack("<i", take): name for take, name in enumerate(("drop", "take"))}
 PAUSED_S = 1.0  # that a request waits for the end of a pause, and it is said
-MANY = 64  # holders of one file before the dead among them are looked for
-
-
-class Holders:
-    """The processes that have a file open. The kernel knows what dup2, exec and close have left of
-    their descriptors; it is asked when it matters, so nothing is kept open for them."""
-
-    def __init__(self, inode: int, gentle: bool):
-        self._target = f"socket:[{inode}]"  # the client's end
-        self._gentle = gentle
-        self._pids: set[int] = set()
-
-    def add(self, pid: int) -> None:
-        self._pids.add(pid)
-        if len(self._pids) > MANY:
-            self._pids = {p for p in self._pids if self._is_open_in(p)}
-
-    def signal(self) -> list[int]:
-        """SIGUSR1 to every process that has the file open at this moment; those processes."""
-        told = []
-        for pid in list(self._pids):
-            handle = -1  # of this process, even if another one should get its number
-            with contextlib.suppress(OSError):
-                handle = os.pidfd_open(pid)
-                if not self._is_open_in(pid):
-                    self._pids.discard(pid)
-                elif not self._gentle or wire.catches(pid, signal.SIGUSR1):
-                    signal.pidfd_send_signal(handle, signal.SIGUSR1)
-                    told.append(pid)
-            if handle < 0:
-                self._pids.discard(pid)
-            else:
-                os.close(handle)
-        return told
-
-    def _is_open_in(self, pid: int) -> bool:
-        return self._target in wire.links(pid)
 
 
 class Program(Connection):
@@ -64,7 +27,8 @@ class Program(Connection):
         self._name = bytes(address).strip(b"\0") if address else b""
         self._files: dict[bytes, Program] = server.files
         self.client = None  # of a file: its mmcs_client
-        self.holders: Holders | None = None
+        self._link, self._gentle = "", False  # of its other end, as /proc shows it; see wire.h
+        self.pids: set[int] = set()  # processes that had the file open when they said so last
         self._said = ""  # by the driver, when the last call on this channel failed
         self._paused_at: float | None = None  # the clock on the wall when its request met a pause
         self._turns = server.lockstep
@@ -151,6 +115,19 @@ class Program(Connection):
             self._turns.closes(self.client)
             self.machine.leave(self.client)
 
+    def signal(self) -> list[int]:
+        """SIGUSR1 to every process that has the file open at this moment; those processes. The
+        kernel knows what dup2, exec and close have left of their descriptors."""
+        told = []
+        for pid in list(self.pids):
+            if self._link not in wire.links(pid):
+                self.pids.discard(pid)
+            elif not self._gentle or wire.catches(pid, signal.SIGUSR1):
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGUSR1)
+                    told.append(pid)
+        return told
+
     # --- calls ---
 
     def _call(self, op: int, name: bytes, a: int, b: int, payload: bytes, pid: int):
@@ -169,29 +146,27 @@ class Program(Connection):
         if file is None:
             self._said = "the simulator that had this file open is gone"
             return -wire.EIO, b""
-        file.holders.add(pid)
+        file.pids.add(pid)
         if op == wire.HOLD:
             return int(file.client.driver < 0), b""
-        result, out = self._of_file(file.client, op, a, b, payload, name, pid)
+        result, out = self._of_file(file.client, op, a, b, payload, pid)
         if result < 0:
             self._said = self.machine.said or self._because(file.client, -result, op, a, payload)
         return result, out
 
     def _because(self, client, error: int, op: int, a: int, payload: bytes) -> str:
         """Of a call that the driver said nothing about."""
-        machine = self.machine
-        if error == wire.EBUSY and (held := machine.held(client)):
+        if error == wire.EBUSY and (held := self.machine.held(client)):
             return held
-        if client.driver < 0 or op not in (wire.IOCTL, wire.READ, wire.WRITE):
+        if client.driver < 0 or op == wire.CHANGE:
             return ""
-        if op == wire.READ:
-            return reasons.of_read(error, a)
-        joints = machine.joints(client)
-        if op == wire.WRITE:
-            return reasons.of_write(error, len(payload), joints)
-        return reasons.of_ioctl(error, a, payload, joints, 2 * machine.cards)
+        if op == wire.IOCTL:
+            return reasons.of_ioctl(error, a, payload)
+        return reasons.of_call(
+            *(("read", error, a) if op == wire.READ else ("write", error, len(payload)))
+        )
 
-    def _of_file(self, client, op: int, a: int, b: int, payload: bytes, name: bytes, pid: int):
+    def _of_file(self, client, op: int, a: int, b: int, payload: bytes, pid: int):
         machine = self.machine
         machine.said = ""
         if op in (wire.LOAD, wire.STORE):
@@ -209,7 +184,7 @@ class Program(Connection):
             return self._turns.read_states(pid, client, min(a, wire.MAX_DATA))
         if op == wire.WRITE:
             before = self.machine.sim.tap_head()[1]
-            result = self._turns.write(pid, client, name, payload, len(payload))
+            result = self._turns.write(pid, client, payload, len(payload))
             machine.said = "" if result >= 0 else machine.said_since(before)
             return result, b""
         return self._change(client, a, payload)
@@ -228,8 +203,8 @@ class Program(Connection):
             machine.leave(client)
             return result
         self.client = client
-        self.holders = Holders(inode, bool(flags & wire.GENTLE))
-        self.holders.add(pid)
+        self._link, self._gentle = f"socket:[{inode}]", bool(flags & wire.GENTLE)
+        self.pids.add(pid)
         self._files[self._name] = self
         return 0
 

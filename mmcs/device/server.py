@@ -240,7 +240,7 @@ class Server:
         for file in self.files.values():
             client = file.client
             if client.driver >= 0 and self.sim.signals(client.driver) and client.writes:
-                sent += file.holders.signal()
+                sent += file.signal()
         for pid in sent:
             self.lockstep.signalled(pid, 1 << (signal.SIGUSR1 - 1))
         return sent

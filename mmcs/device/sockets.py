@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a server listens, and how one makes sure who is at the other end.
 
-A server has a folder that is the user's alone, a lock that it holds as long as it lives, and
-sockets of mode 0600. Both ends ask the kernel for the other one's user: paths are not proof.
+A server has a folder that is the user's alone, its name as long as it lives, and sockets of mode
+0600. Both ends ask the kernel for the other one's user: paths are not proof.
 """
 
 import contextlib
-import fcntl
+import errno
 import os
 import socket
 import stat
@@ -15,7 +15,6 @@ from pathlib import Path
 
 from mmcs.errors import InputError
 
-ENXIO = 6
 BACKLOG = 64
 
 
@@ -64,24 +63,16 @@ class Name:
     def __init__(self, path: Path):
         self.path = path
         make_folder(path.parent)
-        self._lock_path = path.with_suffix(".lock")
-        self._lock = self._take_lock()
-        self._made: list[tuple[Path, int, socket.socket]] = []
-
-    def _take_lock(self) -> int:
-        """Of a file that is still there once it is locked: an ending server takes its own away."""
-        while True:
-            lock = os.open(self._lock_path, os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW, 0o600)
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                os.close(lock)
-                allowed = "a server of this name is running; stop it or use another"
-                raise InputError.one("--dev", "", self.path.stem, allowed) from None
-            with contextlib.suppress(FileNotFoundError):
-                if self._lock_path.lstat().st_ino == os.fstat(lock).st_ino:
-                    return lock
-            os.close(lock)
+        self._lock = socket.socket(socket.AF_UNIX)
+        try:
+            self._lock.bind(f"\0{path}")  # a name that the kernel takes away with its process
+        except OSError as error:
+            self._lock.close()
+            if error.errno != errno.EADDRINUSE:
+                raise _unusable(path, error) from None
+            allowed = "a server of this name is running; stop it or use another"
+            raise InputError.one("--dev", "", path.stem, allowed) from None
+        self._made: list[tuple[Path, socket.socket]] = []
 
     def listen(self, suffix: str) -> socket.socket:
         """A listening socket of mode 0600. What a dead server left in its place is taken over."""
@@ -96,26 +87,24 @@ class Name:
             server.bind(str(path))
         except OSError as error:
             server.close()
-            why = error.strerror or "too long for a socket; set XDG_RUNTIME_DIR to a shorter folder"
-            raise InputError.one(path, "", None, why) from None
+            raise _unusable(path, error) from None
         finally:
             os.umask(old)
-        self._made.append((path, path.lstat().st_ino, server))
+        self._made.append((path, server))
         server.listen(BACKLOG)
         server.setblocking(False)
         return server
 
     def release(self) -> None:
-        """Takes away what is still ours; an open socket keeps its inode from being another's."""
-        for path, inode, server in self._made:
-            with contextlib.suppress(FileNotFoundError):
-                if path.lstat().st_ino == inode:
-                    path.unlink()
+        for path, server in self._made:
+            path.unlink(missing_ok=True)
             server.close()
-        with contextlib.suppress(FileNotFoundError):
-            if self._lock_path.lstat().st_ino == os.fstat(self._lock).st_ino:
-                self._lock_path.unlink()
-        os.close(self._lock)
+        self._lock.close()
+
+
+def _unusable(path: Path, error: OSError) -> InputError:
+    why = error.strerror or "too long for a socket; set XDG_RUNTIME_DIR to a shorter folder"
+    return InputError.one(path, "", None, why)
 
 
 def connect(path: Path, timeout: float | None = None) -> socket.socket:
@@ -128,9 +117,9 @@ def connect(path: Path, timeout: float | None = None) -> socket.socket:
     except OSError:
         sock.close()
         text = "no simulator is serving; start `mmcs serve SCENARIO`"
-        raise OSError(ENXIO, text, "/dev/mc0") from None
+        raise OSError(errno.ENXIO, text, "/dev/mc0") from None
     _, uid = peer(sock)
     if uid != os.geteuid():
         sock.close()
-        raise OSError(ENXIO, f"user {uid} serves this socket, not you: not used", str(path))
+        raise OSError(errno.ENXIO, f"user {uid} serves this socket, not you: not used", str(path))
     return sock

@@ -39,25 +39,27 @@ for call in calls:
     except OSError as error:
         print(error.strerror.partition(": ")[2] or "nothing")
 """
-SAID = """MSETNUMJOINTS: 3 joints: must be 0 to 2
-MSETINTERVAL: 50 us: must be 100 or more, exact to 0.1 %, and at most 50 ms by clkdivisor
-MGETPARAM: axis 7: must be 0 to 1
-MSETPARAM: axis 0: b0 0: must not be 0: it divides
-MSETPARAM: axis 0: clkdivisor 0: must be 1 or more, and at most 50000 us
-MSETPARAM: axis 0: clkdivisor 60: longer than 50000 us
-MSETPARAM: axis 0: ipole 1024: must be 0 to 1023
-MSETPARAM: axis 1: ilim -1: must not be negative
-MSETENC: axis 9: must be 0 to 1
-MSETLED: axis 2: must be 0 to 1
-MCALIB: axis -1: must be 0 to 1
+AXIS = "must be an axis that the servo controls"
+OF_PARAM = f"{AXIS}; {reasons.ALLOWED['MSETPARAM'].partition('; ')[2]}"
+SAID = f"""MSETNUMJOINTS: 3: must be 0 to the number of axes found
+MSETINTERVAL: 50: must be 100 us or more, exact to 0.1 %, and at most 50 ms by clkdivisor
+MGETPARAM: 7: {AXIS}
+MSETPARAM: 0: {OF_PARAM}
+MSETPARAM: 0: {OF_PARAM}
+MSETPARAM: 0: {OF_PARAM}
+MSETPARAM: 0: {OF_PARAM}
+MSETPARAM: 1: {OF_PARAM}
+MSETENC: 9: {AXIS}
+MSETLED: 2: {AXIS}
+MCALIB: -1: {AXIS}
 MDIAGMODE: 8: must be M_ANDIAG, M_ENDIAG, both or 0
-write: 12 bytes: must be 4 for each of at most 2 joints
+write: 12: must be 4 bytes for each joint, of no more joints than the servo controls
 there is no request 0x00004d99
 MENABLE: the device is open for reading only
 write: the device is open for reading only
 MSETNUMJOINTS: the device is open for reading only
-MSETPOINT: axis 2: must be 0 to 1
-MCALIBEND: axis 3: must be 0 to 1
+MSETPOINT: 2: {AXIS}
+MCALIBEND: 3: {AXIS}
 MSETPOINT: the device is open for reading only
 MSETDAC: the machine is not enabled
 write: stopped, MENABLE first
@@ -86,15 +88,17 @@ def test_no_request_and_no_error_is_without_one():
     errors = (errno.EIO, errno.EBUSY, errno.EINVAL, errno.EBADF, errno.ENOTTY, errno.EFAULT)
     said = {
         (request, error): {
-            reasons.of_ioctl(error, request, argument, joints, 2)
+            reasons.of_ioctl(error, request, argument)
             for argument in (b"", bytes(52), b"\xff" * 52)
-            for joints in (0, 2)
         }
         for request in requests
         for error in errors
     }
     assert len(said) >= 20 * 6 and not [key for key, why in said.items() if "" in why]
-    assert all(reasons.of_read(error, 27) and reasons.of_write(error, 3, 2) for error in errors)
+    assert all(
+        reasons.of_call("read", error, 27) and reasons.of_call("write", error, 3)
+        for error in errors
+    )
 
 
 def test_in_lockstep_too(tmp_path):

@@ -37,17 +37,6 @@ def test_what_a_dead_server_left_is_taken_over_and_nothing_else(mc0):
     name.release()
 
 
-def test_an_ending_server_leaves_its_successors_socket(mc0):
-    old = Name(mc0)
-    old.listen(".sock")
-    mc0.with_suffix(".lock").unlink()  # somebody cleaned up
-    new = Name(mc0)
-    new.listen(".sock")
-    old.release()
-    assert mc0.exists()
-    new.release()
-
-
 @pytest.mark.parametrize("make", ["755", "750", "701", "link", "file"])
 def test_a_folder_that_is_not_ours_alone_is_refused(tmp_path, mc0, make):
     folder = mc0.parent

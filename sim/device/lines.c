@@ -41,34 +41,19 @@ int turns_read(struct turns *t, int pid, mmcs_client *client, void *states, size
   return result;
 }
 
-int turns_write(struct turns *t, int pid, mmcs_client *client, const char *name, const void *data,
-                size_t size) {
+int turns_write(struct turns *t, int pid, mmcs_client *client, const void *data, size_t size) {
   struct process *p = process_of(t, pid);
   const int64_t before = clock_of(t);
   const int result = mmcs_server_write(t->server, client, data, size);
   see_signals(t);
   if (p != NULL) {
     p->writes = client;
-    strncpy(p->name, name, WIRE_NAME - 1);
     p->wrote = result != (int)size || clock_of(t) != before ? -1 : events_of(t);
   }
   return result;
 }
 
-void write_later(struct turns *t) {
-  EACH_PROCESS(t, p) {
-    struct wire_later w;
-    if (p->later == NULL || !p->later->due) continue;
-    w = *p->later;
-    p->later->due = 0;
-    w.name[WIRE_NAME - 1] = 0;
-    if (p->writes != NULL && strcmp(w.name, p->name) == 0 && w.length <= sizeof(w.data))
-      (void)turns_write(t, p->pid, p->writes, w.name, w.data, w.length);
-  }
-}
-
 void turns_closes(struct turns *t, const mmcs_client *client) {
-  write_later(t);
   EACH_PROCESS(t, p) {
     if (p->reads == client) p->reads = NULL;
     if (p->writes == client) p->writes = NULL;
@@ -93,8 +78,7 @@ static struct wire_now now(const struct turns *t, const struct process *of) {
   return (struct wire_now){
       .ns = now_of(t),
       .sample = (uint32_t)mmcs_sim_samples(t->sim),
-      .writes = of->later != NULL && of->writes != NULL && of->wrote == events_of(t),
-      .memory = of->memory,
+      .writes = of->writes != NULL && of->wrote == events_of(t),
   };
 }
 
@@ -126,10 +110,12 @@ static int wake(struct line *l, uint64_t key, uint64_t count) {
 
 static int is_well_formed(const struct wire_request *r, const void *data) {
   struct wire_wait wait;
+  if (r->op == WIRE_LATER) return 1;
   if (r->op != WIRE_WAIT) return r->length == 0 && r->op >= WIRE_LINE && r->op <= WIRE_CANCEL;
   if (r->length < sizeof(wait)) return 0;
   memcpy(&wait, data, sizeof(wait));
-  return wait.files < MOST_ASKED && r->length == sizeof(wait) + 4 * wait.files;
+  return wait.files < MOST_ASKED && wait.written < MOST_ASKED &&
+         r->length == sizeof(wait) + 4 * wait.files + wait.written;
 }
 
 static void serve(struct turns *t, struct line *l, const struct wire_request *r, const char *data) {
@@ -149,6 +135,8 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
     case WIRE_WAIT:
       memcpy(&wait, data, sizeof(wait));
       l->states = r->a;
+      if (wait.written > 0 && p->writes != NULL)
+        (void)turns_write(t, p->pid, p->writes, data + r->length - wait.written, wait.written);
       begin_wait(t, l, &wait, (const int32_t *)(const void *)(data + sizeof(wait)));
       return;
     case WIRE_CANCEL:
@@ -158,6 +146,9 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
       moment = now(t, p);
       reply(l->fd, 0, &moment, sizeof(moment));
       return;
+    case WIRE_LATER:
+      if (p->writes != NULL) result = turns_write(t, p->pid, p->writes, data, r->length);
+      break;
     case WIRE_WAKE:
       result = wake(l, r->a, r->b);
       break;
@@ -187,7 +178,6 @@ static void hear(struct turns *t, struct line *l) {
 }
 
 int turns_hear(struct turns *t, int fd) {
-  write_later(t);
   EACH_LINE(t, p, l) {
     if (l->fd != fd) continue;
     hear(t, l);

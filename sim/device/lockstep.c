@@ -218,33 +218,36 @@ void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, 
   k->length = (uint32_t)length;
 }
 
-/* The server's part, and the last write() with an answer: one like it may do without. */
-static struct wire_later *later, last;
+/* The last write(). With an answer: one like it may do without, and is carried out in front of what
+ * this process asks next. */
+static struct {
+  char name[WIRE_NAME], data[128]; /* of 32 axes */
+  uint32_t length;
+  int due;
+  unsigned long others; /* wire_others then */
+} last;
 static int may_be_later;
-static unsigned long last_others; /* wire_others then */
 
 /* A signal's handler that interrupts this finds may_be_later taken, and its write() is answered. */
 int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t length) {
-  int may = may_be_later && lock_on() && last_others == wire_others && last.length == length &&
+  int may = may_be_later && lock_on() && last.others == wire_others && last.length == length &&
             memcmp(last.name, name, WIRE_NAME) == 0;
   may_be_later = 0;
   if (may) {
-    *later = last;
-    memcpy(later->data, data, length);
-    __atomic_store_n(&later->due, 1, __ATOMIC_RELEASE);
+    memcpy(last.data, data, length);
+    last.due = 1;
   } else {
-    last_others = wire_others;
+    last.others = wire_others;
     last.length = length;
     memcpy(last.name, name, WIRE_NAME);
   }
   return may;
 }
 
-void lock_write_first(void) {
-  struct wire_now now;
-  uint32_t room = sizeof(now);
-  if (later != NULL && later->due && lock_on())
-    (void)lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room);
+__attribute__((destructor)) void lock_write_first(void) {
+  if (!last.due || !lock_on()) return;
+  last.due = 0;
+  (void)lock_ask(WIRE_LATER, 0, 0, last.data, last.length, NULL, NULL);
 }
 
 /* A timer that has run out meanwhile sends its signal. */
@@ -252,27 +255,31 @@ void lock_after_call(void) {
   if (lock_on() && lock_timers(now_ns) != WIRE_NEVER) (void)lock_now();
 }
 
-static int wait_once(const struct wire_wait *head, const int *files, const sigset_t *mask,
-                     int *heard) {
-  char data[sizeof(*head) + 4 * 64];
+static int wait_once(struct wire_wait *head, const int *files, const sigset_t *mask, int *heard) {
+  char data[sizeof(*head) + 4 * 64 + sizeof(last.data)];
   struct known *states = &known[0];
   struct {
     struct wire_now now;
     char states[sizeof(states->data)];
   } told = {0};
-  uint32_t room = sizeof(told), length = (uint32_t)sizeof(*head) + 4 * head->files;
+  uint32_t room = sizeof(told), length;
   int result, more = head->what == WAIT_SAMPLE && has_read && states->asked <= sizeof(told.states);
   known[0].length = known[1].length = 0;
   has_read = may_be_later = 0;
   polls = 0;
+  head->written = last.due ? last.length : 0;
+  last.due = 0;
+  length = (uint32_t)sizeof(*head) + 4 * head->files;
   memcpy(data, head, sizeof(*head));
   if (head->files > 0) memcpy(data + sizeof(*head), files, 4 * head->files);
+  memcpy(data + length, last.data, head->written);
+  length += head->written;
   if (request(WIRE_WAIT, more ? states->asked : 0, 0, data, length) < 0) return -EIO;
   *heard = await_answer(mask);
   result = answer(&told, &room);
   if (result < 0) return result;
   learn(&told.now);
-  may_be_later = told.now.writes && later != NULL && last.length <= sizeof(last.data);
+  may_be_later = told.now.writes && last.length <= sizeof(last.data);
   if (room > sizeof(told.now))
     lock_learn(states->name, 0, told.states, states->asked, (int)(room - sizeof(told.now)));
   return result;
@@ -331,23 +338,6 @@ int lock_sample(uint32_t *number) {
 
 /* --- lines ----------------------------------------------------------------------------- */
 
-/* The server's memory for `later`, of this process alone. */
-static void map_later(int memory) {
-  struct ucred server;
-  socklen_t length = sizeof(server);
-  char path[64];
-  int fd = -1;
-  later = NULL;
-  if (memory < 0 || getsockopt(line, SOL_SOCKET, SO_PEERCRED, &server, &length) < 0) return;
-  (void)snprintf(path, sizeof(path), "/proc/%d/fd/%d", server.pid, memory);
-  fd = (int)syscall(SYS_openat, AT_FDCWD, path, O_RDWR | O_CLOEXEC);
-  if (fd < 0) return;
-  later =
-      (void *)syscall(SYS_mmap, NULL, sizeof(*later), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0L);
-  if (later == MAP_FAILED) later = NULL;
-  (void)syscall(SYS_close, fd);
-}
-
 static void open_line(enum wire_line kind, unsigned number) {
   struct wire_now now = {0};
   uint32_t room = sizeof(now);
@@ -362,7 +352,6 @@ static void open_line(enum wire_line kind, unsigned number) {
     enabled = 0;
   } else {
     learn(&now);
-    if (kind != LINE_THREAD) map_later(now.memory);
     (void)pthread_setspecific(at_end, &line);
   }
   pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -371,7 +360,8 @@ static void open_line(enum wire_line kind, unsigned number) {
 /* Whoever joins this thread may go on: the server sees the line's end. */
 static void end_thread(void *unused) {
   (void)unused;
-  if (line_pid != wire_pid() || line < 0) return;
+  if (!lock_on()) return;
+  lock_write_first();
   (void)request(WIRE_LINE, LINE_THREAD, 0, NULL, 0);
   close_line();
 }
@@ -384,6 +374,7 @@ static void child_of_fork(void) {
   close_line(); /* the parent's */
   lock_forget_timers();
   known[0].length = known[1].length = 0;
+  last.due = 0;
   if (enabled) open_line(LINE_CHILD, 0);
 }
 

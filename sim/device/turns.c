@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/mman.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -77,10 +76,6 @@ void turns_expect(struct turns *t, int pid) {
   p->handle = in.data.fd = (int)syscall(SYS_pidfd_open, pid, 0);
   p->state = p->handle < 0 ? ENDED : STARTING;
   if (p->handle >= 0) (void)epoll_ctl(t->epoll, EPOLL_CTL_ADD, p->handle, &in);
-  p->memory = memfd_create("mmcs", MFD_CLOEXEC);
-  if (p->memory >= 0 && ftruncate(p->memory, sizeof(*p->later)) == 0)
-    p->later = mmap(NULL, sizeof(*p->later), PROT_READ | PROT_WRITE, MAP_SHARED, p->memory, 0);
-  if (p->later == MAP_FAILED) p->later = NULL;
   begin(t);
 }
 
@@ -136,7 +131,6 @@ void turns_line(struct turns *t, int fd, const void *request) {
   struct line *l = calloc(1, sizeof(*l)), **at;
   if (l == NULL) abort();
   memcpy(&r, request, sizeof(r));
-  write_later(t);
   turns_expect(t, r.pid);
   p = process_of(t, r.pid);
   if ((r.a & 0xFF) == LINE_THREAD) {
@@ -179,8 +173,6 @@ static int forget(struct turns *t, int all) {
     *at = p->next;
     while (p->lines != NULL) drop(t, p, p->lines);
     if (p->handle >= 0) (void)close(p->handle);
-    if (p->later != NULL) (void)munmap(p->later, sizeof(*p->later));
-    if (p->memory >= 0) (void)close(p->memory);
     free(p);
     found = 1;
   }

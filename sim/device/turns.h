@@ -51,9 +51,8 @@ int turns_hear(struct turns *t, int fd);
  * states of the same read() then come with each sample, and the same write() needs no answer, while
  * neither takes time nor tells of an error or event. */
 int turns_read(struct turns *t, int pid, mmcs_client *client, void *states, size_t size);
-int turns_write(struct turns *t, int pid, mmcs_client *client, const char *name, const void *data,
-                size_t size);
-/* The write()s without an answer are carried out; and the client is gone. */
+int turns_write(struct turns *t, int pid, mmcs_client *client, const void *data, size_t size);
+/* The client is gone. */
 void turns_closes(struct turns *t, const mmcs_client *client);
 /* Signals have been sent to a process. */
 void turns_signalled(struct turns *t, int pid, uint64_t signals);

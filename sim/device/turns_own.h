@@ -34,12 +34,9 @@ struct process {
   enum { STARTING, THERE, ENDED } state; /* STARTING: has no line yet, and will */
   int expected;                          /* threads of it of which the same holds */
   struct line *lines;
-  struct wire_later *later; /* or null; in memory of this descriptor */
-  int memory;
   /* Of the last read() and write(); events there were if it took no time and had no error, or -1 */
   mmcs_client *reads, *writes;
   int64_t quiet, wrote;
-  char name[WIRE_NAME]; /* of the file of that write() */
 };
 
 #define EACH_PROCESS(t, p) for (struct process *p = (t)->processes; p != NULL; p = p->next)
@@ -59,7 +56,6 @@ int wants(const struct line *l, unsigned what);
 /* lines.c */
 int64_t events_of(const struct turns *t);
 void see_signals(struct turns *t);
-void write_later(struct turns *t);
 void go_on(struct turns *t, struct line *l, enum wire_cause cause);
 
 #endif

@@ -39,9 +39,11 @@ enum wire_op {
   WIRE_LINE = 12,   /* a = enum wire_line and, from bit 8, the thread's number in its process, b =
                        thread: this is its line. Answered when it may run. Again: the thread ends, no
                        answer */
-  WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors; answered when it may run again: result
-                       = enum wire_cause, data = struct wire_now. a = bytes of states that may follow
-                       it, as read() would give them */
+  WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors, and the bytes of a write() that is
+                       carried out first; answered when it may run again: result = enum wire_cause,
+                       data = struct wire_now. a = bytes of states that may follow it, as read()
+                       would give them */
+  WIRE_LATER = 16,  /* data = the bytes of such a write() */
   WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
   WIRE_NOW = 17,    /* reply data = struct wire_now */
@@ -78,22 +80,13 @@ struct wire_wait {
   uint64_t mask, pending; /* signals: blocked while it waits; come already */
   uint32_t what;
   uint32_t files; /* descriptors that follow, 32 bits each */
+  uint32_t written, none;
 };
 
 struct wire_now {
   uint64_t ns;     /* machine time */
   uint32_t sample; /* since power-on */
-  int32_t writes;  /* 1: a write() as the last one, before time goes on, succeeds at once */
-  int32_t memory;  /* the server's descriptor of this process' struct wire_later */
-  int32_t none;
-};
-
-/* A write() that nobody waits for, in memory that the server shares: carried out in front of what
- * comes next on a line, and at the end of the process or of the file. */
-struct wire_later {
-  uint32_t due, length;
-  char name[WIRE_NAME];
-  char data[128]; /* of 32 axes */
+  int32_t writes;  /* 1: a write() as the last one, before time goes on, needs no answer */
 };
 
 /* With the flags of WIRE_OPEN: SIGUSR1 only to processes that catch it. */
