@@ -80,7 +80,7 @@ def test_compare_mistakes(mmcs, folder, tmp_path):
 
 def test_points_of_the_arm():
     """The PUMA at zero: upper arm along x, forearm back along it, offset d3 in -y."""
-    links = load("puma560_gravity").robot.links()
+    links = load("puma560_coupled").robot.links()
     points = arm_points(links, np.zeros(6))
     assert points[0] == pytest.approx([0, 0, 0])
     assert points[2] == pytest.approx([0, 0, 0.67183])  # shoulder

@@ -31,7 +31,6 @@ REQUIREMENTS = {
     "puma560_velocity": ["SRV-1"],
     "puma560_bounce": ["DRV-5", "DRV-6"],
     "puma560_calibrate": ["CAL-1", "DRV-8"],
-    "puma560_calibrate_10": ["CAL-1", "DRV-8"],
     "puma560_calibrate_30": ["CAL-1", "DRV-8"],
     "puma560_double_buffer": ["DAC-1"],
     "puma560_single_buffer": ["DAC-1"],
@@ -110,7 +109,7 @@ def test_an_index_gives_the_same_count_both_ways(name):
 def test_expectations_can_fail():
     """The same run with something broken, or not broken, is found out."""
     pot = 'event=[{at=0.0, input="pot_cut", index=2, value=1}]'
-    wrong = failures(carry_out("puma560_calibrate_10", pot)[1])
+    wrong = failures(carry_out("puma560_calibrate_30", pot)[1])
     assert [what.split(",")[0] for what in wrong] == ["axis 2 calibrated at 2 marks"]
     wrong = failures(carry_out("fault_encoder_slip", "event=[]")[1])  # no slip
     assert [what.split(" in ")[0] for what in wrong] == ["joint 0 true minus encoder"]
