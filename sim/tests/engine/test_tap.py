@@ -20,7 +20,7 @@ def run(sim, looks=0):
     for n in range(1, max(looks, 1) + 1):
         assert sim.run(0.05 + RUN_S * n / max(looks, 1))
         if looks:
-            sim.tap_rows(0, 1, 100)
+            sim.tap_rows(0, n % 3, 100)  # every sample, every second, and 0, which is refused
             sim.tap_events(0, 100)
     assert sim.ioctl(client, mcdef.MENABLE) == 0
     return everything(sim)
