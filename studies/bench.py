@@ -117,17 +117,16 @@ def memory_mb() -> float:
 
 def environment() -> dict[str, str]:
     """That of the programs that are measured."""
-    gone = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")
     path = f"{Path(sys.executable).parent}:{os.environ.get('PATH', '')}"
-    kept = {k: v for k, v in os.environ.items() if k not in gone}
-    return kept | {"PYTHONPATH": str(ROOT), "PATH": path, "PYTHON": sys.executable}
+    return os.environ | {"PYTHONPATH": str(ROOT), "PATH": path}
 
 
-def cpu(command: list, good: tuple = (0,), **more: str) -> float:
-    """Processor seconds of a program and of all that it started; more: of its environment."""
+def cpu(command: list, good: tuple = (0,)) -> float:
+    """Processor seconds of a program and of all that it started."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    env = environment() | more
-    done = subprocess.run(command, cwd=ROOT, env=env, text=True, capture_output=True, check=False)
+    done = subprocess.run(
+        command, cwd=ROOT, env=environment(), text=True, capture_output=True, check=False
+    )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode not in good:
         said = (done.stderr or done.stdout).strip()[-300:]
@@ -147,15 +146,6 @@ def fault() -> float:
         shutil.rmtree(out, ignore_errors=True)
         costs.append(mmcs_cpu("campaign", "--faults", count, "--workers", 1, "--out", out))
     return (costs[1] - costs[0]) / (FAULTS[1] - FAULTS[0])
-
-
-def build() -> float:
-    place = BUILD / "bench-engine"
-    shutil.rmtree(place, ignore_errors=True)
-    command = "make -s -f sim/Makefile B=build/bench-engine CARDS=3 KIND=speed SKIP=1"
-    made = cpu(command.split(), CCACHE_DISABLE="1")
-    shutil.rmtree(place)
-    return made
 
 
 # --- programs in lock-step, and the page ----------------------------------------------------------
@@ -298,13 +288,11 @@ def loads(count: int) -> dict[str, list[float]]:
         new |= {f"page (WebAssembly), {name}": wasm(name) for name in STARTS if pages}
         for name, value in new.items():
             found.setdefault(name, []).append(value)
-    print("build", flush=True)
-    found["build of the engine from nothing"] = [build()]
     return found
 
 
 def unit(name: str, value: float) -> str:
-    forms = {"CPU": "{:.3g} s", "campaign,": "{:.3g} s", "build": "{:.3g} s", "times": "{:,.0f}",
+    forms = {"CPU": "{:.3g} s", "campaign,": "{:.3g} s", "times": "{:,.0f}",
              "memory": "{:.0f} MB", "hits": "{:.2f} %", "page": "{:.2f}",
              "six": "{:.2f}"}  # fmt: skip
     return forms.get(name.split(maxsplit=1)[0], "{:.3g}x").format(value)

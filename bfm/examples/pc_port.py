@@ -2,6 +2,7 @@
 """The PC bus models on pc_port.sv: a register, and wait states up to the master's limit."""
 
 import cocotb
+import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles
 from cocotbext.pcbus import BusTimeout, PcBus, PcBusMaster, PcBusMonitor
@@ -29,9 +30,5 @@ async def register_and_wait_states(dut):
     assert monitor.cycles[-1].command >= 20 * 124
 
     await pc.write(1, 200)
-    try:
+    with pytest.raises(BusTimeout):  # the card holds IOCHRDY for 200 clocks
         await pc.read(0)
-    except BusTimeout as error:
-        dut._log.info("as it must be: %s", error)
-    else:
-        raise AssertionError("the card held IOCHRDY for 200 clocks")

@@ -25,15 +25,8 @@
 #define MAILBOX_REPORT (MAILBOX_CONTROL + 0)   /* write: one of MAILBOX_SERVED... to the host */
 #define MAILBOX_DOORBELL (MAILBOX_CONTROL + 4) /* write: the ring is noticed, level 2 ends */
 #define MAILBOX_CLOCK_US (MAILBOX_CONTROL + 8) /* read: free-running microseconds */
-/* The adaptor's 2 KiB window: on the VMEbus in short I/O space, jumpers A15-A11 at 0x6000; beside
- * a RISC-V processor a word for each register. */
+/* From here on the VMEbus, the adaptor in it. */
 #define MAILBOX_SHORT_IO 0xFFFF0000u
-#define MAILBOX_WINDOW 0xFFFF6000u
-#ifdef __riscv
-#define MAILBOX_REGISTER(offset) (0x00E00000u + 4u * ((uint32_t)(offset) >> 1))
-#else
-#define MAILBOX_REGISTER(offset) (MAILBOX_WINDOW + (offset))
-#endif
 
 enum mailbox_report {
   MAILBOX_UP = 1,      /* initialised, requests are served */
