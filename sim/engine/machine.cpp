@@ -174,11 +174,7 @@ bool Machine::advance(int64_t n, Watch watch) {
     int64_t ran = 0;
     const Stop stop = model_->run(std::min(limit, due_) - clock_, dtack, &ran);
     clock_ += ran;
-    if (failed()) note("assert", -1, model_->failure());
-    if (model_->was_upset()) {
-      const std::string doubt = model_->take_doubt();
-      if (!doubt.empty()) note("assert", -1, "after an upset: " + doubt);
-    }
+    look_for_failure();
     bool irq_changed = false;
     if (stop == Stop::kLines) {
       irq_changed = ((model_->lines() ^ lines_) & kLineIrq) != 0;
@@ -188,6 +184,22 @@ bool Machine::advance(int64_t n, Watch watch) {
     if (irq_changed && watch == Watch::kIrq) return true;
   }
   return false;
+}
+
+bool Machine::bus_cycle(Model::BusRequest request, Model::BusReply *reply) {
+  if (clock_ >= due_ || failed() || bus_errors_ != 0) return false;
+  request.due = due_;
+  if (!model_->bus_cycle(request, reply)) return false;
+  clock_ = reply->end;
+  look_for_failure();
+  return true;
+}
+
+void Machine::look_for_failure() {
+  if (failed()) note("assert", -1, model_->failure());
+  if (!model_->was_upset()) return;
+  const std::string doubt = model_->take_doubt();
+  if (!doubt.empty()) note("assert", -1, "after an upset: " + doubt);
 }
 
 void Machine::lines_changed() {

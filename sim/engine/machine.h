@@ -43,6 +43,9 @@ class Machine {
   // Lets up to n clocks pass; true when it ended on what was watched.
   bool advance(int64_t n, Watch watch);
 
+  // A bus cycle as one step, if nothing else comes meanwhile (model.h); `due` is filled in.
+  bool bus_cycle(Model::BusRequest request, Model::BusReply *reply);
+
   int64_t clock() const { return clock_; }
   double time() const { return static_cast<double>(clock_) / Model::clk_hz(); }
   int64_t clocks(double seconds) const;  // rounded up
@@ -160,6 +163,7 @@ class Machine {
 
  private:
   int card_register_of(int input) const;
+  void look_for_failure();
   void lines_changed();
   void plant_step();
   void expect_edges();

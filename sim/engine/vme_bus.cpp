@@ -34,9 +34,9 @@ BusResult VmeBus::fail(BusResult result, uint32_t address) {
   return result;
 }
 
-void VmeBus::keep(int64_t begin, int kind, const Cycle &c, BusResult answer) {
+void VmeBus::keep(int64_t begin, int64_t end, int kind, const Cycle &c, BusResult answer) {
   if (!watched_) return;
-  kept_.push_back({begin, machine_.clock(), c.address, c.data, static_cast<int32_t>(c.am),
+  kept_.push_back({begin, end, c.address, c.data, static_cast<int32_t>(c.am),
                    static_cast<int32_t>(c.ds), kind, static_cast<int32_t>(answer)});
 }
 
@@ -46,26 +46,33 @@ BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
   const int64_t begin = machine_.clock();
   const int kind = c.write ? MMCS_BUS_WRITE : MMCS_BUS_READ;
   ++cycles_;
-  model.pins().vme_address(c.address, c.am, c.write, false, c.data);
-  machine_.advance(1, Watch::kNothing);
-  model.pins().vme_strobe(c.ds);
-  if (machine_.take_bus_error()) {
-    machine_.advance(kInjectedErrorClks, Watch::kNothing);
-    keep(begin, kind, c, BusResult::kError);
-    release();
-    return fail(BusResult::kError, c.address);
+  Model::BusReply reply;
+  const bool as_one_step =
+      machine_.bus_cycle({c.address, c.am, c.ds, c.write, c.data, 0, timeout_clks_}, &reply);
+  bool answered = true;
+  if (!as_one_step) {
+    model.pins().vme_address(c.address, c.am, c.write, false, c.data);
+    machine_.advance(1, Watch::kNothing);
+    model.pins().vme_strobe(c.ds);
+    if (machine_.take_bus_error()) {
+      machine_.advance(kInjectedErrorClks, Watch::kNothing);
+      keep(begin, machine_.clock(), kind, c, BusResult::kError);
+      release();
+      return fail(BusResult::kError, c.address);
+    }
+    answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
+    reply = {model.pins().vme_data(model.vme_sample() & 0xFFFF), machine_.clock(), 0};
   }
-  const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
-  *data = model.pins().vme_data(model.vme_sample() & 0xFFFF);
+  *data = reply.data;
   Hash &trail = machine_.trail();
-  trail.add(static_cast<uint64_t>(machine_.clock()));
+  trail.add(static_cast<uint64_t>(reply.answered));
   trail.add((static_cast<uint64_t>(c.address) << 32) | (uint64_t{c.write} << 63) |
             (c.write    ? c.data
              : answered ? *data
                         : 0x10000u));
-  keep(begin, kind, {c.address, c.am, c.ds, c.write, c.write ? c.data : *data},
+  keep(begin, reply.answered, kind, {c.address, c.am, c.ds, c.write, c.write ? c.data : *data},
        answered ? BusResult::kOk : BusResult::kTimeout);
-  release();
+  if (!as_one_step) release();
   return answered ? BusResult::kOk : fail(BusResult::kTimeout, c.address);
 }
 
@@ -110,7 +117,7 @@ BusResult VmeBus::acknowledge(int level, uint8_t *vector) {
   const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
   *vector = static_cast<uint8_t>(model.pins().vme_data(model.vme_sample() & 0xFFFF));
   machine_.trail().add(static_cast<uint64_t>(machine_.clock()) << 8 | (answered ? *vector : 0u));
-  keep(begin, MMCS_BUS_IACK, {address, kAmAcknowledge, 1, false, *vector},
+  keep(begin, machine_.clock(), MMCS_BUS_IACK, {address, kAmAcknowledge, 1, false, *vector},
        answered ? BusResult::kOk : BusResult::kTimeout);
   release();
   if (answered) return BusResult::kOk;

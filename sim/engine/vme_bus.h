@@ -49,7 +49,7 @@ class VmeBus {
   };
   BusResult cycle(const Cycle &c, unsigned *data);
   BusResult fail(BusResult result, uint32_t address);
-  void keep(int64_t begin, int kind, const Cycle &c, BusResult answer);
+  void keep(int64_t begin, int64_t end, int kind, const Cycle &c, BusResult answer);
   void release();
 
   Machine &machine_;

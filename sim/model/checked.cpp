@@ -15,7 +15,7 @@ constexpr unsigned kEvery = 64;
 Stop Checked::run(int64_t n, int dtack, int64_t *ran) {
   const Stop stop = Plain::run(n, dtack, ran);
   int64_t also = 0;
-  if (stop == Stop::kFailed || !failure_.empty()) return stop;
+  if (stop == Stop::kFailed || !failure_.empty() || alone_) return stop;
   const Stop other = rack_.run(*ran, dtack, &also);
   if (also != *ran || (other != stop && *ran == n)) {
     failure_ = "the boards stop after " + std::to_string(also) + " clocks, the machine after " +
@@ -26,6 +26,25 @@ Stop Checked::run(int64_t n, int dtack, int64_t *ran) {
     compare();
   }
   return failure_.empty() ? stop : Stop::kFailed;
+}
+
+// The parts make it as one step, the machine clock by clock.
+bool Checked::bus_cycle(const BusRequest &request, BusReply *reply) {
+  BusReply parts;
+  if (!rack_.bus_cycle(request, &parts)) return false;
+  pins_.also(nullptr);
+  alone_ = true;
+  *reply = clock_by_clock(request);
+  alone_ = false;
+  pins_.also(&rack_.pins());
+  if (!failure_.empty()) return true;
+  if (reply->data != parts.data || reply->answered != parts.answered || reply->end != parts.end ||
+      rack_.lines() != lines_) {
+    failure_ = "a bus cycle as one step differs from the machine's";
+  } else if (++runs_ % kEvery == 0) {
+    compare();
+  }
+  return true;
 }
 
 void Checked::compare() {

@@ -15,10 +15,11 @@ class Checked final : public Plain {
     power_on();
     rack_.power_on();
     rack_.check(kChecked);
-    pins_.also(rack_.pins());
+    pins_.also(&rack_.pins());
   }
 
   Stop run(int64_t n, int dtack, int64_t *ran) override;
+  bool bus_cycle(const BusRequest &request, BusReply *reply) override;
   void upset(int reg, uint64_t bits) override;
   void upset_card(size_t reg, uint64_t bits) override {
     Plain::upset_card(reg, bits);
@@ -32,6 +33,7 @@ class Checked final : public Plain {
   void compare();
 
   Rack rack_;
+  bool alone_ = false;  // the machine goes on without its parts
   unsigned runs_ = 0;
 };
 

@@ -70,6 +70,20 @@ class Model : protected Ports {
   bool was_upset() const { return upset_; }
   void set_upset(bool upset) { upset_ = upset; }
   unsigned lines() const { return lines_; }
+  // A whole cycle of the bus master as one step. False: it is not known what it does, or something
+  // else comes meanwhile; it is to be made clock by clock.
+  struct BusRequest {
+    uint32_t address;
+    unsigned am, ds;
+    bool write;
+    unsigned data;
+    int64_t due, latest;  // the clock at which something else comes; clocks until a time-out
+  };
+  struct BusReply {
+    unsigned data;
+    int64_t answered, end;  // clocks
+  };
+  virtual bool bus_cycle(const BusRequest &, BusReply *) { return false; }
   virtual bool dtack() const = 0;  // DTACK* is low
   virtual bool alive() const = 0;  // level of the adaptor's sign of life
 
@@ -126,6 +140,8 @@ class Model : protected Ports {
   }
   void disturb() override { upset_ = true; }
   uint64_t read_register(const std::string &reg) override { return read(find_register(reg)); }
+
+  BusReply clock_by_clock(const BusRequest &request);
 
   std::unique_ptr<OwnCard> own_card_;
   Pins pins_{*this, cards()};

@@ -24,8 +24,9 @@ uint64_t bits(int width, int at) {
 }  // namespace
 
 Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> m,
-           std::shared_ptr<Cache> *known, VerilatedContext &context)
-    : model(std::move(m)) {
+           std::shared_ptr<Cache> *known, VerilatedContext &context,
+           uint32_t (&fields_of_it)[kMostFields])
+    : model(std::move(m)), fields_(fields_of_it) {
   if (const Net clk = model->port("clk_i")) clk.put(1);
   const PartRow &own = table.parts[n];
   const std::string scope = model->name() + "." + own.module;

@@ -64,13 +64,14 @@ struct HeldBits {
 class Part {
  public:
   Part(const BoardTable &table, size_t n, std::unique_ptr<Board> model,
-       std::shared_ptr<Cache> *cache, VerilatedContext &context);
+       std::shared_ptr<Cache> *cache, VerilatedContext &context, uint32_t (&fields)[kMostFields]);
   Part(const Part &) = delete;
 
   // Its model is evaluated at every clock, without the cache.
   void run_always(bool always) { mode_.cached = !always; }
   // Bits of a register are held from now on; if there are none, the register is free.
   void hold(const HeldBits &bits);
+  bool held() const { return !held_.empty(); }
 
   // An input has this value after edge t. True: inputs_changed() must be called.
   template <class Input>
@@ -94,8 +95,7 @@ class Part {
     return ((port.output ? out_.control : in_.control) & port.mask) >> port.shift;
   }
 
-  // Makes the transition that follows from inputs that changed after edge t. False: due() is as it
-  // was.
+  // Makes the transition of inputs that changed after edge t. False: due() is as it was.
   bool inputs_changed(int64_t t);
   // Makes the transition of clock edge t, with the inputs as they are.
   void clock(int64_t t);
@@ -114,18 +114,42 @@ class Part {
   int64_t due() const { return time_.due; }
   void plan();
 
-  // Brings the model up to the state, so that its registers can be read; or written, if written()
-  // is called then.
+  // Brings the model up to the state: its registers can be read, or written before written().
   void load();
   void written(int64_t t);
   uint64_t read(const RegisterPlace &place) const;
   void forget();  // the cache is about to be emptied
 
+  // For cycles as one step (cycle.h). The state, or null; outputs that are observed, of data those
+  // that are not ignored.
+  State *state() const { return mode_.cached ? state_ : nullptr; }
+  uint64_t inputs() const { return in_.control; }
+  const uint32_t *fields() const { return fields_; }
+  uint32_t pending_data() const { return out_.pending_fields & out_.observed_fields; }
+  uint64_t observed() const { return out_.observed | line_mask; }
+  uint32_t observed_data(uint32_t fields, uint64_t outputs) const {
+    fields &= out_.observed_fields;
+    return fields ? not_ignored(fields, outputs) : 0;
+  }
+  bool only_data_outputs() const { return ((out_.control ^ out_.taken) & out_.observed) == 0; }
+  // Learns a transition from a state that it is not in.
+  Transition *learn_from(State *state, uint64_t inputs, const uint32_t *fields, bool clock,
+                         uint64_t key, bool is_case);
+  struct Moment {  // all that changes, to go back to
+    State *state;
+    uint64_t control, out_control, taken;
+    int64_t last, due;
+    uint32_t pending, fields[kMostFields];
+    bool idle;
+  };
+  Moment moment() const;
+  void go_back(const Moment &moment);
+  // To this state after edge t, by so many transitions; these outputs are pending.
+  void go_to(State *state, uint32_t pending, int64_t t, uint32_t transitions);
+
   // Whether observed outputs have changed since they were taken.
   bool has_pending_outputs() const {
-    if (((out_.control ^ out_.taken) & out_.observed) != 0) return true;
-    const uint32_t changed = out_.pending_fields & out_.observed_fields;
-    return changed != 0 && not_ignored(changed, out_.control) != 0;
+    return !only_data_outputs() || observed_data(out_.pending_fields, out_.control) != 0;
   }
   // Those outputs: bits of control; data fields, by bit.
   uint64_t take_outputs() {
@@ -134,8 +158,8 @@ class Part {
     return changed;
   }
   uint32_t take_data_outputs() {
-    const uint32_t changed = out_.pending_fields & out_.observed_fields;
-    out_.pending_fields = 0;
+    const uint32_t changed = observed_data(out_.pending_fields, out_.control);
+    out_.pending_fields &= ~changed;
     return changed;
   }
   // All ports are connected: outputs that lead anywhere are observed.
@@ -231,7 +255,7 @@ class Part {
   }
 
   State *state_ = nullptr;  // null: only the model knows
-  uint32_t fields_[kMostFields] = {};
+  uint32_t (&fields_)[kMostFields];
   struct {
     uint64_t control = 0;
     uint32_t changed_fields = 0;  // data inputs that changed, by bit

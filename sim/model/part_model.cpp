@@ -224,6 +224,22 @@ Transition *Part::learn(bool clock, uint64_t key, bool is_case) {
   return t;
 }
 
+Transition *Part::learn_from(State *state, uint64_t inputs, const uint32_t *fields, bool clock,
+                             uint64_t key, bool is_case) {
+  State *const own_state = state_;
+  const uint64_t own_inputs = in_.control;
+  uint32_t own[kMostFields];
+  std::memcpy(own, fields_, sizeof own);
+  std::memcpy(fields_, fields, sizeof own);
+  state_ = state;
+  in_.control = inputs;
+  Transition *t = learn(clock, key, is_case);
+  state_ = own_state;
+  in_.control = own_inputs;
+  std::memcpy(fields_, own, sizeof own);
+  return t;
+}
+
 void Part::written(int64_t t) {
   model->settle();
   model->inputs();

@@ -109,10 +109,18 @@ void Pins::vme_release() {
   drive(kVmeLword, 1, 1);
 }
 
+void Pins::had_cycle(unsigned address, unsigned am, unsigned data) {
+  driven_[kVmeA] = free_[kVmeA] = levels_[kVmeA][0] = address >> 1 & 0x7FFF;
+  driven_[kVmeAm] = free_[kVmeAm] = levels_[kVmeAm][0] = am & 63;
+  driven_[kVmeD] = free_[kVmeD] = levels_[kVmeD][0] = data & 0xFFFF;
+}
+
 // Lines of the VME bus: those held low win.
 void Pins::hold(Port port, uint64_t low, uint64_t high) {
   low_[port] = low;
   high_[port] = high & ~low;
+  held_ = false;
+  for (int p = 0; p < kVmeSysreset; ++p) held_ = held_ || (low_[p] | high_[p]) != 0;
   if (low | high) ports_.disturb();
   put(port, 0, kPortFields[port], free_[port]);
 }

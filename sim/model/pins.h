@@ -100,8 +100,16 @@ class Pins {
   // What the bus master reads of D15..D00 through lines that are held.
   unsigned vme_data(unsigned data) const { return static_cast<unsigned>(through(kVmeD, data)); }
 
-  // Changes from now on go to these pins, too.
-  void also(Pins &other) { also_ = &other; }
+  // Which of the three it would move.
+  unsigned moves(int axis, unsigned pins) const {
+    return encoders_[static_cast<size_t>(axis)] ^ pins;
+  }
+  // A cycle of the bus master is over that was made as one step.
+  void had_cycle(unsigned address, unsigned am, unsigned data);
+  bool held() const { return held_; }  // a line of the VME bus
+
+  // Changes from now on go to these pins, too; null: to none.
+  void also(Pins *other) { also_ = other; }
 
   bool waiting() const { return !changes_.empty(); }
   void apply();     // changes that wait are made
@@ -165,6 +173,7 @@ class Pins {
   uint64_t driven_[kVmeSysreset] = {};  // VME ports, with changes that are on their way
   uint64_t free_[kVmeSysreset] = {};    // as they are if no line is held
   uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
+  bool held_ = false;                                          // any of them
   std::vector<unsigned> encoders_;        // of each axis: as set_encoder() set them last
   std::vector<uint64_t> levels_[kPorts];  // as they are, 64 bits a word
   std::vector<uint64_t> faults_;          // by pin, then index: as they are

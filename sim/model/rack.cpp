@@ -3,6 +3,8 @@
 
 #include "rack.h"
 
+#include "cycle.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -28,7 +30,10 @@ Reserve &reserve() {
 }  // namespace
 
 Rack::Rack(bool slow, bool skip, uint64_t seed, const std::string &card)
-    : context_(create_context(seed)), slow_(slow), skip_(skip && !slow), nets_(*this) {
+    : context_(create_context(seed)),
+      slow_(slow),
+      skip_(skip && !slow),
+      nets_(*this, &data_[kFirstNet]) {
   open_card(card);
   if (!own_card_) {  // which observes outputs that nothing else does; a cache knows which are
     const std::lock_guard<std::mutex> lock(reserve().mutex);
@@ -40,7 +45,6 @@ Rack::Rack(bool slow, bool skip, uint64_t seed, const std::string &card)
   for (const BoardInfo &board : kWires.boards) add_parts(board);
   if (const char *hits = std::getenv("MMCS_CHECK"))
     check(static_cast<int>(std::strtol(hits, nullptr, 10)));
-  if (parts_.size() > Schedule::kMostParts) throw std::logic_error("a machine of too many parts");
   wire();
 }
 
@@ -71,8 +75,7 @@ void Rack::update_input(Wire &wire) {
 
 void Rack::drive_net(Wire &wire) {
   const uint64_t value = wire.value();
-  if (value == wire.driven) return;
-  wire.driven = value;
+  if (value == nets_.get(wire.net, wire.lsb, wire.width)) return;
   if (wire.glue) {
     wire.glue.put(value);
     glue_changed_ = true;
@@ -82,6 +85,10 @@ void Rack::drive_net(Wire &wire) {
 
 void Rack::eval_glue() {
   glue_changed_ = false;
+  if (glue_stale_) {
+    for (const Wire *w : glue_wires_) w->glue.put(nets_.get(w->net, w->lsb, w->width));
+    glue_stale_ = false;
+  }
   glue_.eval();
   for (const auto &[from, to] : glue_nets_) nets_.put(to, 0, from.width, from.get());
 }
@@ -150,10 +157,12 @@ void Rack::update_pc_bus() {
   if (bus.switches_changed) {
     bus.switches_changed = false;
     bus.decoder.forget();
+    const std::vector<unsigned> before = bus.dips;
     for (size_t card = 0; card < bus.switches.size(); ++card) {
       const auto &[part, port] = bus.switches[card];
       bus.dips[card] = static_cast<unsigned>(part->get(*port));
     }
+    if (bus.dips != before) cycles_.reset();
     get_bus = (1u << bus.cards.size()) - 1;
   }
   if (bus.command)
@@ -265,7 +274,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   const unsigned wanted = static_cast<unsigned>(dtack);
   // A level that DTACK* has already ends the run after the first clock, if it still has it then.
   const bool has_level = dtack >= 0 && dtack_level() == wanted;
-  if ((++runs_ & 1023) == 0) {
+  if ((++runs_ & 1023) == 0 && !keep_caches_) {
     for (const auto &part : parts_) {
       if (part->cache->full()) forget(*part->cache);
     }
@@ -299,6 +308,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
 
 // Empties a cache.
 void Rack::forget(Cache &cache) {
+  cycles_.reset();
   for (const auto &part : parts_) {
     if (part->cache.get() != &cache) continue;
     if (!stopped_) part->catch_up(clock_);

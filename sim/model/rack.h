@@ -38,7 +38,6 @@ struct Wire {
   int board;
   const char *name;                // of the board's port
   uint64_t held = 0, held_at = 0;  // bits that a fault holds, and at what
-  uint64_t driven = 0;             // of an output: what its net has of it
   Net glue{};                      // of an output that the glue reads: there
 
   uint64_t through(uint64_t value) const { return (value & ~held) | held_at; }
@@ -56,7 +55,9 @@ class Rack : public Model, private Listener {
   // Every so many hits of a part are compared with the model; a difference is an error.
   void check(int hits) {
     for (const auto &part : parts_) part->check = hits;
+    check_ = hits;
   }
+  bool bus_cycle(const BusRequest &request, BusReply *reply) override;
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   bool dtack() const override { return dtack_level() == 0; }
   bool alive() const override { return alive_->get() != 0; }
@@ -83,6 +84,7 @@ class Rack : public Model, private Listener {
   const Context context_;
 
  private:
+  class Cycles;
   // How it is wired (rack_wire.cpp).
   void add_parts(const BoardInfo &board);
   void wire();
@@ -139,6 +141,7 @@ class Rack : public Model, private Listener {
   void stop_clock(bool stopped) override;
   void put_back(const Saved &state) override;
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
+  void see_held();
   RegisterPlace &find(int reg, Part **part);
   void written(Part &part);
   Net find_watched(const std::string &name);
@@ -146,6 +149,9 @@ class Rack : public Model, private Listener {
 
   const bool slow_, skip_;
 
+  // The data fields of each part; nets; what Cycles has of its own.
+  static constexpr size_t kFirstNet = Schedule::kMostParts * kMostFields;
+  std::vector<uint32_t> data_ = std::vector<uint32_t>(kFirstNet + 2 * Nets::words() + 2);
   std::map<std::string, std::shared_ptr<Cache>> caches_;
   std::vector<std::unique_ptr<Part>> parts_;
   std::vector<size_t> board_begin_;
@@ -159,6 +165,8 @@ class Rack : public Model, private Listener {
   std::vector<std::unique_ptr<Wire>> board_wires_;
   Glue glue_{*context_};
   bool glue_changed_ = true;                    // an output that the glue reads
+  bool glue_stale_ = false;                     // its inputs are not those of the nets
+  std::vector<Wire *> glue_wires_;              // outputs that it reads
   std::vector<std::pair<Net, int>> glue_nets_;  // what it drives for boards: its net, ours
   std::vector<Wire *> vme_data_wires_;          // outputs that lead to the bus master only
   Net vme_data_;                                // in the glue
@@ -222,6 +230,11 @@ class Rack : public Model, private Listener {
     uint32_t seen;
   };
   std::vector<Watched> watched_;
+
+  std::unique_ptr<Cycles> cycles_;  // bus cycles as one step; null: none yet
+  bool keep_caches_ = false;        // none is emptied
+  int check_ = 0;                   // every so many of them are compared with their clocks
+  bool held_ = false;               // a fault holds a wire or a register
 };
 
 }  // namespace mmcs

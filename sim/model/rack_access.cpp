@@ -10,7 +10,7 @@ namespace mmcs {
 unsigned Rack::vme_sample() {
   if (!stopped_) parts_.front()->catch_up(clock_);
   for (Wire *wire : vme_data_wires_) drive_net(*wire);
-  if (glue_changed_) eval_glue();
+  if (glue_changed_ || glue_stale_) eval_glue();
   return static_cast<unsigned>(iackout_->get() << 17 | d_oe_->get() << 16 | vme_data_.get());
 }
 
@@ -59,6 +59,13 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
       update_input(*wire);
     }
   }
+  see_held();
+}
+
+void Rack::see_held() {
+  held_ = std::any_of(board_wires_.begin(), board_wires_.end(),
+                      [](const auto &wire) { return wire->held != 0; }) ||
+          std::any_of(parts_.begin(), parts_.end(), [](const auto &part) { return part->held(); });
 }
 
 std::vector<CacheFigures> Rack::cache_figures() const {
@@ -97,6 +104,7 @@ void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   part->hold({&place, clear, set});
   place.net.put((place.net.get() & ~clear) | set);
   written(*part);
+  see_held();
 }
 
 uint64_t Rack::read(int reg) {

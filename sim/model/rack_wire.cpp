@@ -24,8 +24,11 @@ void Rack::add_parts(const BoardInfo &board) {
   for (size_t n = 0; n < table.parts.size(); ++n) {
     const std::string module = table.parts[n].module;
     auto model = Board::create(module, *context_, name + std::to_string(n));
+    if (parts_.size() == Schedule::kMostParts)
+      throw std::logic_error("a machine of too many parts");
+    auto &fields = reinterpret_cast<uint32_t (&)[kMostFields]>(data_[parts_.size() * kMostFields]);
     parts_.push_back(
-        std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_));
+        std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_, fields));
     parts_.back()->number = parts_.size() - 1;
     all_parts_ |= uint64_t{1} << parts_.back()->number;
   }
@@ -158,6 +161,7 @@ void Rack::wire_glue(std::vector<char> &read) {
       if (!wire->port->output ||
           std::count(logic.sources.begin(), logic.sources.end(), wire->net) == 0)
         continue;
+      if (!wire->glue) glue_wires_.push_back(wire.get());
       wire->glue =
           glue_.board_output(kWires.boards[static_cast<size_t>(wire->board)].path, wire->name);
       if (!is_read(wire->net)) vme_data_wires_.push_back(wire.get());

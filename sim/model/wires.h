@@ -47,15 +47,24 @@ class Listener {
   ~Listener() = default;
 };
 
+// Is read and written as two halves, too.
+using NetWord [[gnu::may_alias]] = uint64_t;
+
 class Nets {
  public:
-  explicit Nets(Listener &listener) : listener_(listener) {
+  // bits: of words(), all 0.
+  Nets(Listener &listener, uint32_t *bits)
+      : listener_(listener), bits_(reinterpret_cast<NetWord *>(bits)) {
     size_t words = 0;
     for (const NetInfo &net : kWires.nets) {
       at_.push_back(words);
-      words += static_cast<size_t>(net.width) / 64 + 2;
+      words += words_of(net);
     }
-    bits_.resize(words);
+  }
+  static size_t words() {
+    size_t words = 0;
+    for (const NetInfo &net : kWires.nets) words += words_of(net);
+    return words;
   }
 
   static int find(const std::string &name) {
@@ -65,8 +74,13 @@ class Nets {
     return -1;
   }
 
+  // Where bits of a net are among the words.
+  size_t at(int net, int lsb) const {
+    return at_[static_cast<size_t>(net)] + static_cast<size_t>(lsb) / 64;
+  }
+
   uint64_t get(int net, int lsb, int width) const {
-    const uint64_t *word = &bits_[at(net, lsb)];
+    const NetWord *word = &bits_[at(net, lsb)];
     const int shift = lsb % 64;
     uint64_t value = word[0] >> shift;
     if (shift + width > 64) value |= word[1] << (64 - shift);
@@ -77,7 +91,7 @@ class Nets {
     const uint64_t mask = width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1;
     value &= mask;
     if (get(net, lsb, width) == value) return;
-    uint64_t *word = &bits_[at(net, lsb)];
+    NetWord *word = &bits_[at(net, lsb)];
     const int shift = lsb % 64;
     word[0] = (word[0] & ~(mask << shift)) | value << shift;
     if (shift + width > 64) {
@@ -87,13 +101,11 @@ class Nets {
   }
 
  private:
-  size_t at(int net, int lsb) const {
-    return at_[static_cast<size_t>(net)] + static_cast<size_t>(lsb) / 64;
-  }
+  static size_t words_of(const NetInfo &net) { return static_cast<size_t>(net.width) / 64 + 2; }
 
   Listener &listener_;
   std::vector<size_t> at_;  // a net's first word
-  std::vector<uint64_t> bits_;
+  NetWord *const bits_;
 };
 
 }  // namespace mmcs

@@ -37,6 +37,20 @@ def test_a_machine_knows_what_the_one_before_it_learned(monkeypatch):
 
 
 @pytest.mark.req("API-1")
+def test_a_bus_cycle_is_one_step():
+    """Nearly all are, once they have been seen; each takes some ten evaluations otherwise."""
+    with machine() as sim:
+        client = start(sim)
+        step_to(sim, client, STEP)
+        assert sim.run(sim.time + 0.05)
+        before = sim.stats()
+        assert sim.run(sim.time + 0.1)
+        made = {name: sim.stats()[name] - before[name] for name in ("evals", "bus_cycles")}
+        assert made["bus_cycles"] > 500
+        assert made["evals"] < 5 * made["bus_cycles"], made
+
+
+@pytest.mark.req("API-1")
 def test_hash_sees_every_difference():
     hashes = [run_step(seconds=0.05)[0], run_step(seconds=0.051)[0], run_step(0.05, STEP + 1)[0]]
     hashes.append(run_step(seconds=0.05, motor={"inertia": 8.3000001e-6})[0])

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// See cycle.h.
+
+#include "cycle.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace mmcs {
+namespace {
+
+constexpr int kLearnedAt = 4;  // sight of a request in the same states: most come once only
+constexpr int kGivenUp = kLearnedAt + 1;
+
+}  // namespace
+
+Rack::Cycles::Cycles(Rack &rack)
+    : rack_(rack),
+      data_(rack.data_.data()),
+      request_(rack.data_.size() - 2),
+      reply_(request_ + 1),
+      masks_(rack.data_.size(), ~0u),
+      pending_(rack.parts_.size()) {
+  masks_[request_] = 0xFFFF;
+  for (const auto &part : rack.parts_) {
+    size_t at = part->number * kMostFields;
+    for (const DataField &field : part->cache->fields()) masks_[at++] = field.mask;
+  }
+}
+
+// The parts' states and the request, as one number.
+uint64_t Rack::Cycles::states(const Request &request) const {
+  uint64_t all = request.key;
+  for (Part *part : request.parts) {
+    part->catch_up(rack_.clock_);
+    all = (all ^ reinterpret_cast<uintptr_t>(part->state())) * 0x9E3779B97F4A7C15u;
+    all ^= all >> 29;
+  }
+  return all | 1;
+}
+
+bool Rack::Cycles::fits(const Trace &trace) const {
+  for (const Trace::Step &s : trace.steps) {
+    s.part->catch_up(rack_.clock_);
+    if (s.part->state() != s.from || (s.part->pending_data() & ~s.before) != 0) return false;
+  }
+  for (const Trace::Condition &c : trace.conditions) {
+    if ((data_[c.place] & c.mask) != c.value) return false;
+  }
+  return true;
+}
+
+// Whether its counters stay clear of their margin.
+bool Rack::Cycles::has_room(const Trace &trace) const {
+  for (const Trace::Room &r : trace.rooms) {
+    if (data_[r.place] < r.low || data_[r.place] > r.high) return false;
+  }
+  return true;
+}
+
+Trace *Rack::Cycles::find(const BusRequest &q) {
+  const uint64_t key = uint64_t{q.address} << 16 | q.am << 8 | q.ds << 1 | unsigned{q.write};
+  data_[request_] = q.data & 0xFFFF;
+  Known &known = known_[states(requests_[key])];
+  for (Trace *trace = known.trace; trace; trace = trace->next) {
+    if (fits(*trace)) return has_room(*trace) ? trace : nullptr;
+  }
+  if (++known.tries != kLearnedAt) return nullptr;
+  known.tries = 0;
+  Trace *learned = learn(q, key);
+  if (!learned) known_[states(requests_[key])].tries = kGivenUp;
+  return learned && has_room(*learned) ? learned : nullptr;
+}
+
+void Rack::Cycles::values(const Trace &trace) {
+  uint32_t *value = values_;
+  const Term *term = trace.terms.data();
+  for (const Trace::Move &m : trace.moves) {
+    uint32_t word = (data_[m.to] & m.keep) ^ m.constant;
+    for (const Term *last = term + m.terms; term != last; ++term) word ^= term->bits(data_);
+    *value++ = word;
+  }
+}
+
+bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
+  Trace *trace = find(q);
+  if (!trace || trace->answered > q.latest + 1) return false;
+  const int64_t end = rack_.clock_ + trace->end;
+  if (q.due <= end) return false;
+  values(*trace);
+  if (!follow(*trace)) {
+    go_back();
+    return false;
+  }
+  if (rack_.check_ && ++hits_ % static_cast<unsigned>(rack_.check_) == 0) {
+    go_back();
+    check(*trace, q, reply);
+    return true;
+  }
+  for (size_t n = heard_; n < trace->moves.size(); ++n) data_[trace->moves[n].to] = values_[n];
+  for (const Trace::Sum &s : trace->sums) data_[s.place] = (data_[s.place] + s.by) & s.mask;
+  *reply = {data_[reply_], rack_.clock_ + trace->answered, end};
+  rack_.clock_ = end;
+  ++rack_.evals_;
+  if (trace->glue) rack_.glue_stale_ = true;
+  for (const Trace::Step &s : trace->steps) {
+    s.part->go_to(s.to, s.pending, end, s.transitions);
+    rack_.plan(*s.part);
+  }
+  for (uint64_t rest = followed_ & ~trace->parts; rest; rest &= rest - 1)
+    rack_.plan(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
+  rack_.pins_.had_cycle(q.address, q.am, q.data);
+  if (rack_.edges_.at <= end) {
+    rack_.apply_edges(end);
+    rack_.settle();
+  }
+  return true;
+}
+
+// Makes the cycle clock by clock, and compares what becomes of it with the trace.
+void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *reply) {
+  const int64_t answered = rack_.clock_ + trace.answered, end = rack_.clock_ + trace.end;
+  std::vector<uint32_t> sums;
+  for (const Trace::Sum &s : trace.sums) sums.push_back((data_[s.place] + s.by) & s.mask);
+  rack_.keep_caches_ = true;
+  *reply = rack_.clock_by_clock(q);
+  rack_.keep_caches_ = false;
+  bool same = reply->answered == answered && reply->end == end;
+  for (const Trace::Step &s : trace.steps) {
+    s.part->catch_up(end);
+    same = same && s.part->state() == s.to;
+  }
+  data_[reply_] = reply->data;
+  for (size_t n = heard_; n < trace.moves.size(); ++n)
+    same = same && values_[n] == data_[trace.moves[n].to];
+  const uint32_t *sum = sums.data();
+  for (const Trace::Sum &s : trace.sums) same = same && *sum++ == data_[s.place];
+  if (!same) throw std::logic_error("a bus cycle as one step differs from its clocks");
+}
+
+bool Rack::bus_cycle(const BusRequest &request, BusReply *reply) {
+  if (!skip_ || stopped_ || own_card_ || held_ || pins_.held() || pins_.waiting() ||
+      changed_inputs_ != 0 || glue_changed_ || pc_bus_.changed || pc_bus_.switches_changed ||
+      pc_bus_.selected != 0 || pc_bus_.command || lines_ != shown_lines_ || dtack_level() == 0) {
+    return false;
+  }
+  if (!cycles_ || cycles_->full()) cycles_ = std::make_unique<Cycles>(*this);
+  return cycles_->make(request, reply);
+}
+
+}  // namespace mmcs

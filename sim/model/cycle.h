@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole cycles of the VME bus as one step. Terms: docs/simulator/simulator.md.
+//
+//   Trace          a cycle as one step: the states it leads from and to, and what it does to data
+//   Rack::Cycles   all traces of a machine, by request and states (cycle.cpp)
+//   Table          entries by their key
+//   Tracer         works a trace out (cycle_trace.cpp, cycle_words.h, cycle_glue.cpp)
+//
+// A trace is worked out clock by clock, from the transitions that the caches know, on the origin of
+// every bit instead of its value. So it holds for all data, but for conditions where data decide.
+// Its steps are those of the parts that send something; the others hear the same each time, and go
+// on by themselves (cycle_follow.cpp), as encoder counters do whose encoders move meanwhile.
+// Anything unusual (a line that changes, a step that the model computes) has no trace: such a cycle
+// is made clock by clock, as all are in a machine with faults.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "rack.h"
+
+namespace mmcs {
+
+// A place is a data field of a part, half a word of nets, the request's or the reply's data.
+using Place = uint16_t;
+
+// Bits that a place had when the cycle began, rotated.
+struct Term {
+  Place place;
+  uint16_t left;
+  uint32_t mask;  // after the rotation
+
+  uint32_t bits(const uint32_t *data) const {
+    return (data[place] << left | data[place] >> (-left & 31)) & mask;
+  }
+  bool operator==(const Term &other) const {
+    return place == other.place && left == other.left && mask == other.mask;
+  }
+};
+
+struct Word;
+class Words;
+
+struct Trace {
+  static constexpr size_t kMostMoves = 128;
+
+  struct Step {
+    Part *part;
+    State *from, *to;
+    uint32_t before, pending;  // data outputs that may be pending; that are, by bit
+    uint32_t transitions;
+  };
+  struct Condition {
+    Place place;
+    uint32_t mask, value;
+  };
+  struct Room {  // a counter stays clear of its margin
+    Place place;
+    uint32_t low, high;
+  };
+  struct Move {
+    Place to;
+    uint16_t terms;
+    uint32_t keep, constant;
+  };
+  struct Sum {
+    Place place;
+    uint32_t by, mask;
+  };
+  // Inputs that change after a clock, of a part that only listens: of control, and so many of data.
+  struct Event {
+    Part *part;
+    uint64_t bits, mask;
+    uint16_t clock, moves;
+  };
+  uint16_t answered = 0, end = 0;  // clocks from its begin
+  Trace *next = nullptr;           // from the same states, for other data
+  bool glue = false;               // an input of the glue changes
+  uint64_t parts = 0;              // of the steps, by bit
+  std::vector<Step> steps;
+  std::vector<Condition> conditions;
+  std::vector<Room> rooms;
+  std::vector<Move> moves;  // those of events first
+  std::vector<Term> terms;  // of all moves
+  std::vector<Sum> sums;
+  std::vector<Event> events;
+  std::vector<std::vector<State *>> states;  // of each step: all that it comes to
+  std::vector<uint64_t> passing;             // of each step: data inputs, then those that are not
+};
+
+// Entries by their key, which is not 0. There is always an empty one.
+template <class T>
+class Table {
+ public:
+  explicit Table(size_t size) : entries_(size) {}
+  T &operator[](uint64_t key) {
+    size_t n = key * 0x9E3779B97F4A7C15u >> 32;
+    const auto at = [&]() -> T & { return entries_[n % entries_.size()]; };
+    while (at().key != key && at().key != 0) ++n;
+    used_ += at().key == 0;
+    at().key = key;
+    return at();
+  }
+  bool full() const { return used_ > entries_.size() / 2; }
+
+ private:
+  std::vector<T> entries_;
+  size_t used_ = 0;
+};
+
+class Rack::Cycles {
+ public:
+  explicit Cycles(Rack &rack);
+  bool make(const BusRequest &request, BusReply *reply);
+  bool full() const { return requests_.full() || known_.full(); }
+
+ private:
+  class Tracer;
+  struct Known {
+    uint64_t key = 0;
+    Trace *trace = nullptr;
+    int tries = 0;
+  };
+  // By its address, modifier, strobes and direction: the parts that have steps.
+  struct Request {
+    uint64_t key = 0;
+    std::vector<Part *> parts{};
+  };
+  struct GlueBit {  // of an output of the glue
+    static constexpr int kConstant = -1, kMixed = -2;
+    int data;  // follows that bit of data
+    bool inverted;
+  };
+  Trace *find(const BusRequest &request);
+  Trace *learn(const BusRequest &request, uint64_t key);
+  uint64_t states(const Request &request) const;
+  bool fits(const Trace &trace) const;
+  bool has_room(const Trace &trace) const;
+  const std::vector<GlueBit> &glue(const std::vector<uint32_t> &inputs, size_t data);
+  std::vector<Word> glue_outputs(Words &words);
+  void values(const Trace &trace);
+  void check(const Trace &trace, const BusRequest &request, BusReply *reply);
+  // Parts that have no steps (cycle_follow.cpp).
+  bool follow(Trace &trace);
+  bool follow(Trace &trace, const EncoderEdge &edge);
+  bool go_to(Part &part, int64_t t);
+  bool passes(Trace &trace, Part &part, int field);
+  void go_back();
+
+  Rack &rack_;
+  uint32_t *const data_;
+  const size_t request_, reply_;  // places
+  std::vector<uint32_t> masks_;   // bits that each place has
+  Table<Request> requests_{1 << 12};
+  Table<Known> known_{1 << 14};
+  std::vector<std::unique_ptr<Trace>> traces_;
+  std::map<std::vector<uint32_t>, std::vector<GlueBit>> glue_;  // by its inputs less the data
+  std::vector<uint32_t> pending_;  // of each part: data outputs that were pending before a cycle
+  uint32_t values_[Trace::kMostMoves];                   // of the moves of a trace
+  std::vector<std::pair<Part *, Part::Moment>> before_;  // of parts that went on
+  size_t heard_ = 0;                                     // moves of events
+  uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit
+  unsigned hits_ = 0;
+};
+
+}  // namespace mmcs
