@@ -2,8 +2,8 @@
 """What the two tables of the machine say, in its other places: `make generate`.
 
 sim/abi/inputs.def: inputs of [[event]], in the manual. firmware/include/requests.def: requests, in
-mcdef.h, the manual and the manual page. mcdef.h: the names of its fields, in sim/service; those of
-mc_param, modes, flags and errors, in the page.
+mcdef.h and the manual. mcdef.h: the names of its fields, in sim/service; those of mc_param, modes,
+flags and errors, in the page.
 """
 
 import argparse
@@ -23,7 +23,6 @@ HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 DRIVER = ROOT / "docs" / "use" / "driver.md"
 NAMES = ROOT / "sim" / "service" / "asked.h"
 PAGE = ROOT / "web" / "params.js"
-MAN = ROOT / "docs" / "man" / "mc.4"
 SCENARIOS = ROOT / "docs" / "use" / "scenarios.md"
 SIZES = {"int": "MC_INT", "unsigned int": "MC_INT", "struct mc_param": "MC_PARAM",
          "struct mc_stats": "MC_STATS", "-": ""}  # fmt: skip
@@ -80,15 +79,6 @@ def driver_table() -> str:
     return "\n".join(lines)
 
 
-def man_list() -> str:
-    lines = []
-    for r in requests():
-        argument = "" if r.argument == "-" else f"({r.argument}) "
-        text = r.meaning.replace("`", "").replace("-", "\\-")
-        lines += [f".It Dv {r.name}", f"{argument}{text}."]
-    return "\n".join(lines)
-
-
 def between(text: str, begin: str, end: str, content: str) -> str:
     """The text with this between two lines."""
     pattern = re.escape(begin) + r"\n.*?" + re.escape(end)
@@ -100,13 +90,11 @@ def pages() -> dict[Path, str]:
     begin, end = "/* generated: requests of requests.def */", "/* end of requests */"
     fields = "// generated: fields of mcdef.h", "// end of fields"
     numbers = "// generated: numbers of mcdef.h", "// end of numbers"
-    man = '.\\" generated: requests', '.\\" end of requests'
     return {
         HEADER: between(HEADER.read_text(), begin, end, defines()),
         DRIVER: splice(DRIVER.read_text(), "requests", driver_table()),
         NAMES: between(NAMES.read_text(), *fields, names()),
         PAGE: between(PAGE.read_text(), *numbers, page_numbers()),
-        MAN: between(MAN.read_text(), *man, man_list()),
         SCENARIOS: splice(SCENARIOS.read_text(), "inputs", inputs.table()),
     }
 

@@ -122,15 +122,6 @@ def test_ports_and_parameters_of_the_machine():
             assert re.search(rf"\b{number}\b", row.split(" | ")[1]), name
 
 
-def test_the_manual_page_names_every_command():
-    from mmcs.cli.app import main
-
-    page = (ROOT / "docs" / "man" / "mmcs.1").read_text()
-    told = set(re.findall(r"\w+", " ".join(re.findall(r"^\.It Cm (.*)$", page, re.M))))
-    commands = set(main.list_commands(None))
-    assert commands <= told, sorted(commands - told)
-
-
 def test_its_length_and_the_size_of_its_moving_picture():
     assert len(README.splitlines()) <= 150
     assert 10_000 < (ROOT / "docs/images/puma560.gif").stat().st_size <= 400_000
