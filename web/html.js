@@ -28,12 +28,6 @@ export const typed = put => (/** @type {any} */ { target }) => put(target.value)
 export const searchBox = (id, value, put, more = {}) =>
   h("input", { type: "search", id, value, onInput: typed(put), ...more });
 
-/** A list of [value, text], where no machine drives: Escape closes it. */
-export const list = (options, /** @type {any} */ { chosen = "", ...more } = {}) =>
-  h("select", more, options.map(([value, text]) =>
-    h("option", { value, selected: value === chosen }, text)
-  ));
-
 /** A number that changes all the time, which screen readers leave alone. */
 export const output = (text, more = {}) => h("output", { "aria-live": "off", ...more }, text);
 

@@ -3,7 +3,7 @@
 // labs/mmcs_labs/page.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
 
 import { byId, download } from "./dom.js";
-import { button, cells, h, labelled, list, row, textBox, typed } from "./html.js";
+import { button, cells, h, labelled, row, textBox, typed } from "./html.js";
 
 const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
 const WORDS = new Set(["true", "false", "inf", "nan"]);
@@ -111,7 +111,7 @@ export function labs(page) {
   return () => {
     if (!state.sheets) trying(begin());
     const { sheets, sheet, said, marks, busy } = state;
-    const titles = sheets.map(({ number, title }) => [number, `${number} ${title}`]);
+    const option = ({ number, title }) => h("option", { value: number }, `${number} ${title}`);
     const choose = typed(number => trying(open(Number(number))));
     const commands = sheet
       && ["The scenarios to work with: ", h("code", {}, sheet.start), " · the same check: ",
@@ -119,7 +119,7 @@ export function labs(page) {
     const runs = { disabled: busy || !sheet,
       title: "runs the sheet's scenarios with your answers" };
     return h("div", { class: "labs" },
-      row(labelled("Sheet", list(titles, { id: "lab-sheet", onChange: choose })),
+      row(labelled("Sheet", h("select", { id: "lab-sheet", onChange: choose }, sheets.map(option))),
         h("p", { id: "lab-commands" }, commands)), sheet && paper(sheet),
       row(button("lab-check", "Check", () => trying(grade()), runs),
         button("lab-save", "Save answer.toml", save),

@@ -2,7 +2,7 @@
 // The scope: every sample of any field of any axis; roll and trigger, cursors, zoom, recordings.
 
 import { byId, el, parseNumber, setText } from "./dom.js";
-import { button, h, labelled, list, output, render, row, textBox, tick } from "./html.js";
+import { button, choice, h, labelled, output, render, row, textBox, tick, typed } from "./html.js";
 import { Lanes, quantityOf, style, wordOf } from "./lanes.js";
 import { recordings } from "./scope_files.js";
 import { findTrigger } from "./trigger.js";
@@ -22,6 +22,9 @@ const nameOf = ({ axis, field }) => `${wordOf(field)} ${axis}`;
 
 export class Scope {
   title = "Scope";
+  window = WINDOWS.indexOf(2);
+  trigger = "none";
+  field = "setpoint"; // of the chosen axis, for an edge
   follows = true; // the chosen axis, with the usual four channels
   channels = []; // {axis, field, on, stroke, dash}
   overlays = []; // {recording, shift}
@@ -70,38 +73,38 @@ export class Scope {
   update() {
     const { page, held } = this;
     const { hello, history } = page.machine;
-    const axes = page.axes.map((_, n) => [n, `axis ${n}`]);
     const fields = hello.sample.fields.map(name => [name, wordOf(name)]);
-    const onChange = () => this.roll();
-    const waits = byId("scope-trigger") && asked("trigger") !== "none" && !held
-      ? "waiting for the trigger" : "";
+    const pick = (what, options) => {
+      const take = value => this.roll({ [what]: value });
+      return choice(page, { id: `scope-${what}`, name: what, options, value: this[what], take,
+        disabled: false });
+    };
+    const waits = this.trigger !== "none" && !held ? "waiting for the trigger" : "";
+    const width = { type: "range", id: "scope-window", min: 0, max: WINDOWS.length - 1,
+      value: this.window, "aria-valuetext": `${WINDOWS[this.window]} s`,
+      onInput: typed(value => this.roll({ window: Number(value) })) };
+    const before = { type: "number", id: "scope-before", min: 0, max: 100, defaultValue: 30 };
     const follow = ({ target }) => {
       this.follows = target.checked;
       this.#follow();
     };
-    const add = () => this.add(Number(asked("new-axis")), asked("new-field"));
+    const add = ([name, word]) =>
+      button(`scope-add-${name}`, word, () => this.add(page.axis, name));
     const at = this.lanes.pointer;
     const shown = at === null ? page.row : Math.min(history.end - 1, history.find(at));
     render([
       row(button("scope-run", held ? "Run" : "Hold", () => (held ? this.roll() : this.hold())),
-        labelled("Window",
-          list(WINDOWS.map(s => [s, `${s} s`]), { id: "scope-window", chosen: 2, onChange })),
+        labelled("Window", h("input", width), `${WINDOWS[this.window]} s`),
         labelled("Chosen axis", tick(this.follows, follow, { id: "scope-follow" })),
         h("details", { class: "more" },
           h("summary", { id: "scope-more" }, "Trigger, channels, files"),
           h("div", {},
-            row(labelled("Trigger", list(TRIGGERS, { id: "scope-trigger", onChange })),
-              list(axes, { id: "scope-axis", "aria-label": "trigger axis" }),
-              list(fields, { id: "scope-field", "aria-label": "trigger field",
-                chosen: "setpoint" }),
+            row(labelled("Trigger", pick("trigger", TRIGGERS)),
+              ["rise", "fall"].includes(this.trigger) && pick("field", fields),
               textBox("scope-level", { defaultValue: "1", "aria-label": "trigger level" }),
-              labelled("before",
-                h("input", { type: "number", id: "scope-before", min: 0, max: 100,
-                  defaultValue: 30 }), "%"),
+              labelled("before", h("input", before), "%"),
               labelled("again", tick(null, null, { id: "scope-again" }))),
-            row(list(axes, { id: "scope-new-axis", "aria-label": "axis of a new channel" }),
-              list(fields, { id: "scope-new-field", "aria-label": "field of a new channel" }),
-              button("scope-add", "Add channel", add), this.files))),
+            row(`Add of axis ${page.axis}`, fields.map(add)), row(this.files))),
         output(history.lost ? `${history.lost} samples lost` : waits, { id: "scope-lost",
           class: history.lost ? "bad" : "" })),
       h("div", { class: "row channels" }, this.channels.map(channel => this.#chip(channel, shown)),
@@ -168,7 +171,9 @@ export class Scope {
 
   // --- roll, hold, trigger ---
 
-  roll() {
+  /** changes: of window, trigger or field. */
+  roll(changes = {}) {
+    Object.assign(this, changes);
     this.held = null;
     this.fired = null;
     this.search = this.page.machine.history.end;
@@ -196,7 +201,7 @@ export class Scope {
 
   view() {
     if (this.held) return [this.held.from, this.held.to];
-    const width = Number(asked("window"));
+    const width = WINDOWS[this.window];
     const { moment, machine } = this.page;
     if (moment !== null) return [moment - width / 2, moment + width / 2];
     return [machine.history.now - width, machine.history.now];
@@ -206,11 +211,11 @@ export class Scope {
   #trigger() {
     const { history } = this.page.machine;
     const again = byId("scope-again").checked;
-    if (asked("trigger") === "none" || (this.held && !again)) return;
-    const width = Number(asked("window"));
+    if (this.trigger === "none" || (this.held && !again)) return;
+    const width = WINDOWS[this.window];
     const before = (width * Number(asked("before"))) / 100;
     if (this.fired === null) {
-      const wanted = { kind: asked("trigger"), axis: Number(asked("axis")), field: asked("field"),
+      const wanted = { kind: this.trigger, axis: this.page.axis, field: this.field,
         level: parseNumber(asked("level")) ?? 0 };
       const at = findTrigger(history, wanted, this.search, history.end);
       this.search = history.end;

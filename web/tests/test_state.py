@@ -248,7 +248,7 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
     assert not stops(key(box, "Space"))
     desk.eventually(lambda: desk.param(0)["mode"] & mcdef.COULCOMP)
     assert not stops(key("#step-size", "Space")) and page.input_value("#step-size") == " "
-    assert page.locator("#global select, #panels select, #timebar select").count() == 0
+    assert page.locator("header select, main select").count() == 0
     mode = "#axis0-mode [tabindex='0']"
     for where in ("#clear", mode, "[id='axis0-P gain slider']", "#tab-tune"):
         assert stops(key(where, "Space")), where

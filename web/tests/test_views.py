@@ -4,7 +4,7 @@
 import re
 
 import pytest
-from bench import enable, saved
+from bench import enable, pick, saved
 from test_page import choose, enter
 
 pytestmark = pytest.mark.req("TOOL-1")
@@ -42,7 +42,7 @@ def test_a_minute_of_six_axes_at_1_khz_without_a_loss(desk):
 def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_path):
     page = desk.page
     page.click("#scope-more")
-    page.select_option("#scope-trigger", "panic")
+    pick(page, "#scope-trigger", "panic")
     desk.until("() => document.getElementById('scope-lost').textContent.startsWith('waiting')")
     assert "encnow" not in page.inner_text("body")  # the driver's name of what people call count
     enable(page)
@@ -251,6 +251,8 @@ WRITTEN = """() => {
 
 def test_counts_have_whole_ticks_and_coherence_is_drawn(desk):
     page = desk.page
+    for name in ("error 0", "current 0"):  # one lane, with room for many ticks
+        page.get_by_label(f"remove {name}").click()
     page.evaluate(WRITTEN)
     desk.until("() => written.length > 40")
     ticks = {text for align, text in page.evaluate("() => written") if align == "right"}
