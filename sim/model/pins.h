@@ -152,6 +152,7 @@ class Pins {
   void drive(Port port, int width, uint64_t value) {
     if (driven_[port] == value) return;
     driven_[port] = value;
+    if (also_) also_->driven_[port] = value;
     later(port, 0, width, value);
   }
   void put(int port, int lsb, int width, uint64_t value);
