@@ -13,7 +13,7 @@ from cocotb.triggers import FallingEdge, First, ReadOnly, RisingEdge, Timer, Val
 from cocotbext.vme import BusTimeout, VmeInterruptHandler
 
 from cocotb_tests.lib.play import drive
-from cocotb_tests.lib.req import test, tests_on
+from cocotb_tests.lib.req import tests_on
 from cocotb_tests.lib.tb import (
     ARMED,
     BASE,
@@ -266,18 +266,6 @@ async def iack_jumper_left_in(dut, tb):
     assert op.data == VEC, "without the jumper it is answered"
 
 
-@test("VME-5", "INT-2")
-async def vector_after_reset(dut):
-    """0x0F, the vector that a host knows as uninitialised."""
-    tb = await Machine(dut).start(setup=True)
-    dut.axis_enable_i.value = 0
-    await sclock_low(tb)
-    await tb.wr(PCCSR, ARMED | SCLOCK_IRQ | BASE)
-    await sclock_edge(tb)
-    assert await tb.vme.iack(5) == 0x0F
-    assert await tb.rd(VECTOR) == 0xFF, "the vector cannot be read"
-
-
 @asking_test("INT-2", "VME-6")
 async def other_levels_are_passed_on(tb):
     """Only level 5 is ours: the rest goes down the chain, to whoever is there."""
@@ -337,13 +325,6 @@ async def withdrawn_request_is_passed_on(tb):
     ack = tb.vme.init_iack(5)
     await ack.wait()
     assert clear.answered and ack.data == 0x33
-
-
-@asking_test("INT-2", "VME-3", skew=120)
-async def acknowledge_with_random_skew(tb):
-    for _ in range(30):
-        assert await tb.vme.iack(5) == VEC
-        assert await tb.rd(PCCSR) == ARMED | SCLOCK_IRQ | BASE
 
 
 async def acknowledge_without_strobe(tb: Machine, level: int = 5) -> None:

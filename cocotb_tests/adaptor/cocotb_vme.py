@@ -11,7 +11,7 @@ from cocotbext.vme import AM_SUPERVISOR, AM_USER, BusTimeout, VmeMonitor, VmeTim
 
 from cocotb_tests.lib.play import drive
 from cocotb_tests.lib.req import test, tests_on
-from cocotb_tests.lib.tb import ADC_LO, ARMED, BASE, PCCSR, PIT, PORT_A, Machine
+from cocotb_tests.lib.tb import BASE, PCCSR, PIT, PORT_A, Machine
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -225,20 +225,3 @@ async def iack_cycle_is_no_data_cycle(tb):
         assert isinstance(op.error, BusTimeout)
     assert not monitor.cycles
     assert await tb.rd(PCCSR) == BASE
-
-
-@machine_test("VME-3", "PAN-2", setup=True)
-async def sysreset_in_mid_cycle(dut, tb):
-    """SYSRESET* at any point of an access lets go of the bus; afterwards all is as after reset."""
-    for ns in range(50, 1500, 150):
-        await tb.wr(PCCSR, ARMED | BASE)
-        op = tb.vme.init_read(0x6000 | tb.creg(0, ADC_LO), withdraw_ns=2500)
-        await Timer(ns, "ns")
-        dut.vme_sysreset_ni.value = 0
-        await Timer(3, "us")
-        assert int(dut.vme_dtack_no.value) == 1 and int(dut.vme_d_oe_o.value) == 0
-        dut.vme_sysreset_ni.value = 1
-        await op.wait()
-        assert not isinstance(op.error, BusTimeout)
-        await Timer(1, "us")
-        assert await tb.rd(PCCSR) == 0

@@ -2,7 +2,7 @@
 """Encoder counters, their latch, index and made signals. §5.3.1, §5.3.2, §5.3.4, §5.3.5"""
 
 import cocotb
-from cocotb.triggers import ClockCycles, RisingEdge, Timer
+from cocotb.triggers import RisingEdge, Timer
 from cocotbext.quadrature import QuadratureDecoder, QuadratureSource
 
 from cocotb_tests.card import host
@@ -12,7 +12,6 @@ from cocotb_tests.lib.tb import (
     B_TO_JOINT,
     C_INDEX1,
     C_INDEX2,
-    ENC1,
     LATCH,
     PORT_A,
     PORT_B,
@@ -108,45 +107,6 @@ async def encoder_modes(tb, mode):
         assert await tb.encoder(axis) == 0x4000 + 2 * per_cycle
 
 
-@card_test("ENC-2")
-async def read_is_one_sample_while_counting(tb):
-    """MSB and LSB of one instant, across the carry, while the encoder runs."""
-    await tb.preset(0, 0x00F0)
-    last = 0x00F0
-    task = cocotb.start_soon(tb.enc[0].move(400, 300))
-    for _ in range(60):
-        value = await tb.encoder(0)
-        assert last <= value <= last + 40, f"{last:04X} then {value:04X}"
-        last = value
-    await task
-
-
-@slot_test("ENC-2")
-async def byte_order_is_chosen_by_the_first_read(dut, tb):
-    """First byte address read after RESET takes the snapshot, each time; the other returns it."""
-    for first in (0, 1):
-        dut.pc_reset_drv_i.value = 1
-        await tb.us(1)
-        dut.pc_reset_drv_i.value = 0
-        await ClockCycles(dut.clk_i, 2)
-        await tb.setup(0)
-        await tb.pc.write(ENC1 + first, (0x12, 0x34)[first])
-        await tb.pc.write(ENC1 + 1 - first, (0x34, 0x12)[first])
-        one = await tb.pc.read(ENC1 + first)
-        await tb.enc[0].move(0x300, 250)
-        await tb.us(1)
-        two = await tb.pc.read(ENC1 + 1 - first)
-        pair = (one, two) if first == 0 else (two, one)
-        assert pair == (0x12, 0x34), f"first {first}: {pair[0]:02X}{pair[1]:02X}"
-        # a stray single read does not make later pairs stale
-        await tb.pc.read(ENC1 + 1 - first)
-        one = await tb.pc.read(ENC1 + first)
-        two = await tb.pc.read(ENC1 + 1 - first)
-        pair = (one, two) if first == 0 else (two, one)
-        assert pair == (0x15, 0x34)
-        await tb.enc[0].move(-0x300, 250)
-
-
 @card_test("ENC-2", "LAT-1")
 async def latched_once_then_live(tb):
     """The first read after a latch is the latched count; a second latch before the read wins."""
@@ -172,26 +132,6 @@ async def latched_once_then_live(tb):
     await all_move(5)
     for more in (10, 15):
         await expect(more)
-
-
-@slot_test("LAT-1")
-async def latch_on_the_very_clock(dut, tb):
-    """SCLOCK rises between two counts, at every phase of the clock: one of the two is latched."""
-    await tb.preset(0, 0)
-    for n in range(12):
-        tb.dut.pc_drq_i.value = 0
-        await ClockCycles(dut.clk_i, 4)
-        start = tb.enc[0].count
-        task = cocotb.start_soon(tb.enc[0].move(8, 500))
-        await Timer(1000 + 37 * n, "ns")
-        await RisingEdge(dut.clk_i)
-        at = tb.enc[0].count
-        dut.pc_drq_i.value = 4
-        await task
-        await tb.us(1)
-        latched = await tb.encoder(0)
-        assert at - 1 <= latched <= at, f"latched {latched} at {at}"
-        assert await tb.encoder(0) == start + 8
 
 
 @slot_test("DIA-2", b=B_TO_JOINT)

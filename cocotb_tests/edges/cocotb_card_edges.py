@@ -195,34 +195,6 @@ async def an_edge_in_a_pair_of_accesses(tb):
             assert await tb.live() in (value, value + way), "a preset in pieces"
 
 
-@edge_test("ENC-2", "LAT-1")
-async def a_lone_byte_leaves_nothing_behind(tb):
-    """A single byte, read or written, first after RESET or later, with a latch or without."""
-    for kind in range(16):
-        reset, low, write, latched = (kind >> bit & 1 for bit in range(4))
-        await tb.preset(0, 0x12FF)
-        if reset:
-            tb.dut.pc_reset_drv_i.value = 1
-            await tb.clocks(3)
-            tb.dut.pc_reset_drv_i.value = 0
-            await tb.clocks(1)
-        count = 0 if reset else 0x12FF
-        if write:
-            await tb.pc.write(ENC1 + low, 0x77)
-            count = count & 0xFF00 | 0x77 if low else count & 0xFF | 0x7700
-        else:
-            await tb.pc.read(ENC1 + low)
-        if reset:
-            await tb.setup(0, RUN)
-        if latched:
-            await tb.pulse()
-        for n in range(1, 5):  # a whole period: A and B are 0 when the next case resets the card
-            tb.step()
-            await tb.clocks(6)
-            want = count if latched and n == 1 else count + n
-            assert await tb.live() == want, f"step {n} after {kind:04b}"
-
-
 @edge_test("HB-1", "HB-2")
 async def a_heartbeat_around_the_end_of_the_last(tb):
     """The D/A is written, and the axis switch moves, next to the end of the one-shot: PANIC is gone

@@ -2,7 +2,7 @@
 """Loss of power; each bit of the analog side and of the switches of every card. §5.3.1-5.3.4"""
 
 from cocotb_tests.lib.req import tests_on
-from cocotb_tests.lib.tb import HEALTH_CLKS, LATCH_ALL, PORT_A, QUAD, Machine, dip
+from cocotb_tests.lib.tb import LATCH_ALL, PORT_A, QUAD, Machine, dip
 from cocotb_tests.system.machine import USUAL
 
 TOPLEVEL = "mmcs"
@@ -21,16 +21,6 @@ async def every_bit_of_every_output(tb):
             for axis in axes:
                 await tb.dac(axis, code)
             assert [tb.volts(a) for a in axes] == [(code - 0x800) * 16 for _ in axes], f"{code:03X}"
-
-
-@machine_test("PAN-1", "SW-1", setup=True)
-async def every_axis_switch_by_itself(dut, tb):
-    """No heart beats: PANIC stands while any one axis is switched on."""
-    for _ in range(2):
-        for switches in [0] + [n for a in range(2 * tb.cards) for n in (1 << a, 0)]:
-            dut.axis_enable_i.value = switches
-            await tb.clocks(HEALTH_CLKS)
-            assert int(dut.panic_o.value) == int(switches != 0), f"switches {switches:06b}"
 
 
 @machine_test("ADC-1", "ANA-1", setup=True)

@@ -9,23 +9,6 @@ static struct mc *enabled(int cards) {
   return mc;
 }
 
-/* The handler of Fig. 2.4 under MSETNUMJOINTS 1, PANIC on all axes: one signal, then silence. */
-TEST(test_a_handler_that_reads_and_clears_is_done, "DRV-5") {
-  struct mc *mc = listening(3);
-  struct mc_state state;
-  int handled = 0;
-  call(mc, MSETNUMJOINTS, 1);
-  CHECK_EQ(enable(mc), 0);
-  m.estop_open = 1;
-  mock_run(&m, 5000);
-  for (; handled < m.signals[0] && handled < 10; handled++) {
-    CHECK_EQ(mc_read(mc, 0, &state, 28), 28);
-    call(mc, MCLEARERROR, 0);
-  }
-  CHECK_EQ(handled, 1);
-  for (int axis = 0; axis < 6; axis++) CHECK_EQ(errcode_of(&m, axis), 0);
-}
-
 TEST(test_writers_are_told_readers_and_the_gone_are_not, "DRV-5") {
   struct mc *mc = listening(1);
   for (int i = 1; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_open(mc, i % 3), i);

@@ -108,41 +108,6 @@ TEST(test_stop_traffic, "DRV-6 DRV-9 PAN-2") {
   }
 }
 
-TEST(test_a_stop_forgets_setpoints_and_currents, "DRV-6") {
-  for (int how = 0; how < 3; how++) {
-    struct mc *mc = opened(2);
-    int32_t set[4] = {100, 200, 300, 400};
-    for (int axis = 0; axis < 4; axis++) set_mode(mc, axis, axis ? MD_TORQ : MD_POS);
-    CHECK_EQ(enable(mc), 0);
-    CHECK_EQ(mc_write(mc, 0, set, 16), 16);
-    mock_run(&m, 4100);
-    for (int axis = 0; axis < 4; axis++) {
-      CHECK_EQ(mock_dac(&m, axis), 0x800 + set[axis]);
-      CHECK_EQ(mc_state_of(mc, axis)->inow, set[axis]);
-    }
-    if (how == 0) CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
-    if (how == 1) m.estop_open = 1;
-    if (how == 2) m.ack_broken = 1; /* nobody serves: only the passes stop */
-    mock_run(&m, how == 2 ? 60000 : 100);
-    if (how == 2) {
-      m.ack_broken = 0;
-      mock_run(&m, 2100);
-    }
-    for (int axis = 0; axis < 4; axis++) {
-      CHECK_EQ(mock_dac(&m, axis), how == 2 ? 0x800 | (set[axis] & 0xFF) : 0x800);
-      CHECK_EQ(mc_state_of(mc, axis)->inow, 0);
-      CHECK_EQ(mc_setpoint(mc, axis), how == 0 ? 0 : set[axis]);
-    }
-    m.estop_open = 0;
-    m.card[0].count[0] = 77;
-    mock_run(&m, 100000);
-    if (how == 0) set_mode(mc, 0, MD_POS);
-    CHECK_EQ(enable(mc), 0);
-    CHECK_EQ(mc_setpoint(mc, 0), 77); /* not written since */
-    CHECK_EQ(mock_dac(&m, 0), 0x800);
-  }
-}
-
 static int enable_too(struct mc *mc) {
   meanwhile = NULL;
   return enable(mc);

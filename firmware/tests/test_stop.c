@@ -207,26 +207,6 @@ TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
   }
 }
 
-/* What the law has prepared is of the mode that a stop leaves, no less: else each sample after it
- * is in 64 bits, and on a 68020 too long. */
-TEST(test_a_stop_prepares_what_a_mode_of_off_has, "DRV-9 SRV-1") {
-  static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1, MD_OFF};
-  for (int i = 0; i < 5; i++) {
-    struct mc *mc = listening(1);
-    struct servo_prepared *law = &mc->axis[0].law, stopped;
-    set_mode_within_100(mc, 0, modes[i]);
-    CHECK_EQ(enable(mc), 0);
-    CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
-    stopped = *law;
-    servo_prepare(law, &mc->axis[0].par);
-    CHECK_EQ(stopped.kind, law->kind);
-    CHECK_EQ(stopped.phi, law->phi);
-    CHECK_EQ(stopped.shift, law->shift);
-    CHECK_EQ(stopped.top, law->top);
-    CHECK_EQ(stopped.limit, law->limit);
-  }
-}
-
 TEST(test_slow_interval_panics, "DRV-9") {
   struct mc *mc = mock_open(&m, 1);
   call(mc, MSETINTERVAL, 80000);
