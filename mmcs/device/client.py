@@ -13,6 +13,7 @@ import fcntl
 import os
 import socket
 import struct
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -22,6 +23,7 @@ from mmcs.device import reasons, wire
 from mmcs.device.sockets import connect, socket_path
 
 GONE = errno.EIO, "the simulator is gone"
+_changing = threading.RLock()
 MC_STATE = struct.Struct("<7i")
 
 
@@ -177,14 +179,15 @@ class Device:
         self.ioctl(mcdef.MSETPARAM, _bytes(_axis(axis), param))
 
     def change_param(self, axis: int, **values: int) -> dict[str, int]:
-        """Sets some parameters of an axis and leaves the others as they are at that moment, whoever
-        else changes them; returns all."""
-        names, data = mcdef.fields("mc_param"), b""
-        for name, value in values.items():
-            if name not in names or name == "which":
+        """Sets some parameters of an axis and leaves the others, whatever other threads change;
+        returns all. Against other programs the lease helps."""
+        for name in values:
+            if name not in mcdef.fields("mc_param") or name == "which":
                 raise OSError(errno.EINVAL, f"there is no parameter {name!r} to change")
-            data += struct.pack("<Ii", names.index(name), _checked(name, value))
-        return _named("mc_param", self._ask(wire.CHANGE, _axis(axis), data)[1])
+        with _changing:
+            param = self.get_param(axis) | values
+            self.set_param(axis, param)
+        return param
 
     def enable(self) -> None:
         """Lets the servo drive the motors; PANIC clears with the servo holding."""
@@ -292,12 +295,6 @@ class Device:
             return len(out), out
         if op == wire.WRITE:
             return os.write(fd, data), b""
-        if op == wire.CHANGE:  # nobody else runs meanwhile
-            param = self.get_param(a)
-            names = mcdef.fields("mc_param")
-            param |= {names[n]: value for n, value in struct.iter_unpack("<Ii", data)}
-            self.set_param(a, param)
-            return 0, _bytes(a, param)
         size = a >> 16 & 0x1FFF
         out = fcntl.ioctl(fd, a, data.ljust(size, b"\0") if size else 0)
         return 0, out if size and a & mcdef.MC_ARG_OUT else b""

@@ -21,20 +21,15 @@ class ServedMachine(Serving):
         self.console, self.cards = console, sim.build()["cards"]
         self.said = ""  # by the driver, of the last request if that was refused
         self._told = 0  # events that the console has seen
-        self._at_panic = ""  # pins that were at fault when PANIC came, which no register tells
-        self._panicked = False  # it has come since MENABLE; our own stop raises it as well
-        self._untold = ""  # the same, until the console has it
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
         self.waits = {request.code for request in mcdef.requests().values() if request.waits}
 
     def knows(self) -> str:
         """What the simulator, but no register, knows of what shut the machine down, or of a PANIC
         that stood before MENABLE armed its latch."""
-        self.tell_console()
         stats = self.sim.stats()
-        if stats["enabled"] and stats["panic_level"]:
-            return self._wrong_pins()
-        return self._at_panic if stats["cause"] else ""
+        stands = stats["enabled"] and stats["panic_level"]
+        return self._wrong_pins() if stands or stats["cause"] else ""
 
     def status(self) -> bytes:
         """struct mmcs_status of <sys/mmcs.h>; asking takes no time."""
@@ -80,20 +75,12 @@ class ServedMachine(Serving):
             events, self._told, lost = self.sim.tap_events(self._told, EVENTS_AT_ONCE)
             if lost:
                 self.console(f"{lost} lines or events before this are lost")
-            for event in events:
-                if event["kind"] == "log":
-                    self._log(event["text"])
-                elif event["kind"] == "panic" and event["value"] and not self._panicked:
-                    self._at_panic = self._untold = self._wrong_pins(event["t"])
-                    self._panicked = True
-                elif event["kind"] == "enabled" and event["value"]:
-                    self._at_panic, self._panicked = "", False
-
-    def _log(self, text: str) -> None:
-        self.console(text)
-        if self._untold and text.startswith("mc: PANIC: "):
-            self.sim.tap_note(self._untold)
-            self._untold = ""
+            lines = [event for event in events if event["kind"] == "log"]
+            for line in lines:
+                self.console(line["text"])
+            panics = [line["t"] for line in lines if line["text"].startswith("mc: PANIC: ")]
+            if panics and (why := self._wrong_pins(panics[0])):
+                self.sim.tap_note(why)
 
     def _wrong_pins(self, t: float | None = None) -> str:
         wrong = []

@@ -158,7 +158,7 @@ class Program(Connection):
         """Of a call that the driver said nothing about."""
         if error == wire.EBUSY and (held := self.machine.held(client)):
             return held
-        if client.driver < 0 or op == wire.CHANGE:
+        if client.driver < 0:
             return ""
         if op == wire.IOCTL:
             return reasons.of_ioctl(error, a, payload)
@@ -174,20 +174,21 @@ class Program(Connection):
                 return wire.BUS_TIMEOUT, b""
             return machine.bus(client, a, b, payload if op == wire.STORE else None)
         if op == wire.IOCTL and a == wire.MLEASE:
-            lease = LEASE.get(payload)
-            return (self._ask(client, {"op": "lease", lease: True}) if lease else -wire.EINVAL), b""
+            if not (lease := LEASE.get(payload)):
+                return -wire.EINVAL, b""
+            done = machine.request(client, {"op": "lease", lease: True})
+            machine.said = done.get("text", "")
+            return -done.get("errno", 0), b""
         if client.driver < 0:
             return (-wire.ENOTTY if op == wire.IOCTL else -wire.EINVAL), b""
         if op == wire.IOCTL:
             return machine.ioctl(client, a, payload)
         if op == wire.READ:
             return self._turns.read_states(pid, client, min(a, wire.MAX_DATA))
-        if op == wire.WRITE:
-            before = self.machine.sim.tap_head()[1]
-            result = self._turns.write(pid, client, payload, len(payload))
-            machine.said = "" if result >= 0 else machine.said_since(before)
-            return result, b""
-        return self._change(client, a, payload)
+        before = machine.sim.tap_head()[1]
+        result = self._turns.write(pid, client, payload, len(payload))
+        machine.said = "" if result >= 0 else machine.said_since(before)
+        return result, b""
 
     def _open(self, device: bytes, flags: int, inode: int, pid: int) -> int:
         if self.client is not None or not self._name or self._name in self._files:
@@ -207,19 +208,3 @@ class Program(Connection):
         self.pids.add(pid)
         self._files[self._name] = self
         return 0
-
-    def _ask(self, client, message: dict) -> int:
-        self.done = self.machine.request(client, message)
-        self.machine.said = self.done.get("text", "")
-        return -self.done.get("errno", 0)
-
-    def _change(self, client, axis: int, payload: bytes):
-        fields = mcdef.fields("mc_param")
-        pairs = list(struct.iter_unpack("<Ii", payload))
-        if axis > 255 or any(n >= len(fields) or n == 0 for n, _ in pairs):
-            return -wire.EINVAL, b""
-        param = {fields[n]: value for n, value in pairs}
-        how = {"op": "change", "param": param} if param else {"op": "call", "request": "MGETPARAM"}
-        result = self._ask(client, how | {"axis": axis})
-        made = self.done.get("param", {}).values()
-        return result, struct.pack(f"<{len(made)}i", *made)

@@ -30,7 +30,7 @@ def _numbers(name: str) -> list[int]:
 
 REQUEST, REPLY = map(_layout, ("wire_request", "wire_reply"))
 STATUS = _layout("mmcs_status")
-OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, CHANGE, LINE, *_ = _numbers("wire_op")
+OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, LINE, *_ = _numbers("wire_op")
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = _numbers("wire_bus")
 _, MAX_DATA, MAGIC = _numbers("wire_number")
 GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
@@ -94,8 +94,6 @@ def well_formed(op: int, a: int, b: int, size: int) -> bool:
         return size == b and b in (1, 2)
     if op == LOAD:
         return size == 0 and b in (1, 2)
-    if op == CHANGE:
-        return size > 0 and size % 8 == 0
     return op in (READ, HOLD) and size == 0
 
 

@@ -137,15 +137,6 @@ int setitimer(__itimer_which_t which, const struct itimerval *to, struct itimerv
   return 0;
 }
 
-int getitimer(__itimer_which_t which, struct itimerval *now) {
-  struct itimerspec left = {0};
-  if (!lock_on() || which != ITIMER_REAL) return REAL(getitimer)(which, now);
-  (void)set(timers, 0, NULL, &left);
-  TIMESPEC_TO_TIMEVAL(&now->it_value, &left.it_value);
-  TIMESPEC_TO_TIMEVAL(&now->it_interval, &left.it_interval);
-  return 0;
-}
-
 unsigned alarm(unsigned seconds) {
   struct itimerval at = {.it_value = {(time_t)seconds, 0}}, left = {0};
   (void)setitimer(ITIMER_REAL, &at, &left);
@@ -177,10 +168,6 @@ CALL(int, timer_settime,
   return set(timer_of(id), flags & TIMER_ABSTIME, to, before);
 }
 
-CALL(int, timer_gettime, (timer_t id, struct itimerspec *now), (id, now)) {
-  return set(timer_of(id), 0, NULL, now);
-}
-
 int timer_getoverrun(timer_t id) {
   return lock_on() ? 0 : REAL(timer_getoverrun)(id);
 }
@@ -204,8 +191,4 @@ CALL(int, timerfd_settime,
      (int fd, int flags, const struct itimerspec *to, struct itimerspec *before),
      (fd, flags, to, before)) {
   return set(timer_of_file(fd), flags & TFD_TIMER_ABSTIME, to, before);
-}
-
-CALL(int, timerfd_gettime, (int fd, struct itimerspec *now), (fd, now)) {
-  return set(timer_of_file(fd), 0, NULL, now);
 }

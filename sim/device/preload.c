@@ -34,36 +34,22 @@ int device_fail(int result) {
   return -1;
 }
 
-/* 1: the kernel has made all pages ready to be read or written. 0: not, or is older than 5.14. */
-static int are_ready(const void *at, size_t length, int advice) {
-  const uintptr_t page = 4096, begin = (uintptr_t)at & ~(page - 1);
-  const uintptr_t end = ((uintptr_t)at + length + page - 1) & ~(page - 1);
-  return end > begin && madvise((void *)begin, end - begin, advice) == 0;
-}
-
-/* A user's pointer may be bad: where pages are not ready, copying through the kernel tells why; a
- * memcpy would crash. */
+/* A user's pointer may be bad: copying through the kernel tells, a memcpy would crash. */
 int device_copy_in(void *to, const void *from, size_t length) {
   struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
   if (length == 0) return 0;
-  if (are_ready(from, length, MADV_POPULATE_READ)) {
-    memcpy(to, from, length);
-    return 0;
-  }
   return process_vm_readv(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
 }
 
 int device_copy_out(void *to, const void *from, size_t length) {
-  if (device_can_take(to, length) < 0) return -EFAULT;
-  memcpy(to, from, length);
-  return 0;
+  struct iovec local = {(void *)(uintptr_t)from, length}, remote = {to, length};
+  if (length == 0) return 0;
+  return process_vm_writev(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
 }
 
 /* Before the server does something that cannot be undone. */
 int device_can_take(void *to, size_t length) {
-  struct iovec both = {to, length};
-  if (length == 0 || are_ready(to, length, MADV_POPULATE_WRITE)) return 0;
-  return process_vm_writev(wire_pid(), &both, 1, &both, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
+  return device_copy_out(to, to, length);
 }
 
 /* What Fig. 2.2 includes, for a compiler that runs with this library. */

@@ -74,24 +74,11 @@ CALL(int, pthread_create,
   return result;
 }
 
-static int await_thread(pthread_t thread, uint64_t until) {
-  while (lock_wait(WAIT_THREAD, until, (void *)thread, NULL, 0, NULL, 0) == CAUSE_SIGNAL) continue;
-  return lock_now() >= until ? ETIMEDOUT : 0;
-}
-
 int pthread_join(pthread_t thread, void **result) {
-  if (lock_on()) (void)await_thread(thread, WIRE_NEVER);
+  const void *key = (void *)thread;
+  while (lock_on() && lock_wait(WAIT_THREAD, WIRE_NEVER, key, NULL, 0, NULL, 0) == CAUSE_SIGNAL)
+    continue;
   return REAL(pthread_join)(thread, result);
-}
-
-CALL(int, pthread_clockjoin_np,
-     (pthread_t thread, void **result, clockid_t clock, const struct timespec *at),
-     (thread, result, clock, at)) {
-  if (at != NULL && await_thread(thread, lock_until(clock, at)) != 0) return ETIMEDOUT;
-  return pthread_join(thread, result);
-}
-int pthread_timedjoin_np(pthread_t thread, void **result, const struct timespec *at) {
-  return pthread_clockjoin_np(thread, result, CLOCK_REALTIME, at);
 }
 
 /* --- mutexes, read-write locks, semaphores --------------------------------------------- */
@@ -108,29 +95,21 @@ int pthread_timedjoin_np(pthread_t thread, void **result, const struct timespec 
     r_;                                       \
   })
 
-/* A mutex that its owner takes again. */
-static int is_own(const pthread_mutex_t *m) {
-  return (m->__data.__kind & 3) == PTHREAD_MUTEX_ERRORCHECK_NP && m->__data.__owner == gettid();
-}
-static int is_not_own(const pthread_rwlock_t *l) {
-  return (void)l, 0;
-}
-
 /* Without an end, until a time of a clock, and of the real-time clock. */
-#define LOCK(of, kind, own)                                                                     \
-  CALL(int, of##_##kind##lock, (of##_t * l), (l)) {                                             \
-    return own(l) ? EDEADLK : UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, WIRE_NEVER);        \
-  }                                                                                             \
-  CALL(int, of##_clock##kind##lock, (of##_t * l, clockid_t c, const struct timespec *at),       \
-       (l, c, at)) {                                                                            \
-    return own(l) ? EDEADLK : UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, lock_until(c, at)); \
-  }                                                                                             \
-  int of##_timed##kind##lock(of##_t *l, const struct timespec *at) {                            \
-    return of##_clock##kind##lock(l, CLOCK_REALTIME, at);                                       \
+#define LOCK(of, kind)                                                                    \
+  CALL(int, of##_##kind##lock, (of##_t * l), (l)) {                                       \
+    return UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, WIRE_NEVER);                     \
+  }                                                                                       \
+  CALL(int, of##_clock##kind##lock, (of##_t * l, clockid_t c, const struct timespec *at), \
+       (l, c, at)) {                                                                      \
+    return UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, lock_until(c, at));              \
+  }                                                                                       \
+  int of##_timed##kind##lock(of##_t *l, const struct timespec *at) {                      \
+    return of##_clock##kind##lock(l, CLOCK_REALTIME, at);                                 \
   }
-LOCK(pthread_mutex, , is_own)
-LOCK(pthread_rwlock, rd, is_not_own)
-LOCK(pthread_rwlock, wr, is_not_own)
+LOCK(pthread_mutex, )
+LOCK(pthread_rwlock, rd)
+LOCK(pthread_rwlock, wr)
 int pthread_mutex_unlock(pthread_mutex_t *m) {
   int result = REAL(pthread_mutex_unlock)(m);
   wake(m, 1);
@@ -211,21 +190,11 @@ CALL(int, pthread_cond_timedwait,
   return await_condition(c, m, lock_until(monotonic ? CLOCK_MONOTONIC : CLOCK_REALTIME, at));
 }
 
-/* In place of the C library's, whose fields are hidden. */
+/* The first fields of the C library's; it keeps no others while nobody waits in it. */
 struct barrier {
-  unsigned count, arrived, turn;
+  unsigned arrived, turn, count;
 };
-_Static_assert(sizeof(struct barrier) <= sizeof(pthread_barrier_t), "it fits");
 
-CALL(int, pthread_barrier_init,
-     (pthread_barrier_t * b, const pthread_barrierattr_t *how, unsigned count), (b, how, count)) {
-  (void)how;
-  *(struct barrier *)(void *)b = (struct barrier){count, 0, 0};
-  return count > 0 ? 0 : EINVAL;
-}
-int pthread_barrier_destroy(pthread_barrier_t *b) {
-  return lock_on() ? 0 : REAL(pthread_barrier_destroy)(b);
-}
 CALL(int, pthread_barrier_wait, (pthread_barrier_t * given), (given)) {
   struct barrier *b = (struct barrier *)(void *)given;
   unsigned turn = b->turn;
@@ -263,16 +232,6 @@ pid_t waitpid(pid_t pid, int *status, int options) {
 }
 pid_t wait(int *status) {
   return wait4(-1, status, 0, NULL);
-}
-
-int waitid(idtype_t kind, id_t id, siginfo_t *info, int options) {
-  siginfo_t own, *found = info != NULL ? info : &own;
-  for (int how = lock_on() ? WNOHANG : 0; how >= 0; how = await_child()) {
-    found->si_pid = 0;
-    int result = REAL(waitid)(kind, id, found, options | how);
-    if (result < 0 || found->si_pid != 0 || (options & WNOHANG)) return result;
-  }
-  return -1;
 }
 
 pid_t fork(void) {

@@ -175,23 +175,32 @@ int wire_is_file(int fd, char name[WIRE_NAME]) {
 /* The channel of this thread: opened at its first call, closed when the thread ends. It is taken
  * away while a call is under way: a handler that calls meanwhile, or leaves by longjmp, opens
  * another one, and answers never get mixed up. */
-static __thread int channel = -1, named = -1; /* that channel_name is of */
-static __thread pid_t channel_pid;
-static __thread char channel_name[WIRE_NAME];
+static __thread struct channel {
+  int fd;
+  pid_t pid;
+  ino_t inode; /* the program may have closed every descriptor it could count to */
+} channel = {.fd = -1};
 static pthread_key_t at_thread_end;
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
-/* The program may have closed every descriptor it could count to: then the number is another's. */
-static int channel_lives(void) {
-  char name[WIRE_NAME];
-  return channel >= 0 && channel_pid == wire_pid() && wire_is_file(channel, name) &&
-         strcmp(name, channel_name) == 0;
+static ino_t inode_of(int fd) {
+  struct stat status = {0};
+  return syscall(SYS_fstat, fd, &status) == 0 ? status.st_ino : 0;
+}
+
+static struct channel take_channel(void) {
+  const struct channel had = channel, none = {.fd = -1};
+  int fd;
+  channel = none;
+  if (had.fd >= 0 && had.pid == wire_pid() && inode_of(had.fd) == had.inode) return had;
+  fd = wire_connect(1);
+  return (struct channel){fd, wire_pid(), inode_of(fd)};
 }
 
 static void end_thread(void *unused) {
   (void)unused;
-  if (channel_lives()) close_directly(channel);
-  channel = -1;
+  if (channel.fd >= 0 && inode_of(channel.fd) == channel.inode) close_directly(channel.fd);
+  channel.fd = -1;
 }
 
 static void make_key(void) {
@@ -199,29 +208,15 @@ static void make_key(void) {
 }
 
 void wire_after_fork(void) {
-  channel_pid = wire_pid();
-  if (channel_lives()) close_directly(channel);
-  channel = -1;
+  end_thread(NULL); /* the parent's */
 }
 
-static int take_channel(void) {
-  int lives = channel_lives(), fd = lives ? channel : wire_connect(1);
-  channel = -1;
-  if (!lives) named = -1;
-  return fd;
-}
-
-static void put_channel(int fd) {
-  char name[WIRE_NAME] = {0};
-  if (channel >= 0) { /* a handler has left its own */
-    close_directly(fd);
+static void put_channel(struct channel c) {
+  if (channel.fd >= 0) { /* a handler has left its own */
+    close_directly(c.fd);
     return;
   }
-  channel = fd;
-  if (named == fd) return;
-  if (wire_is_file(fd, name)) memcpy(channel_name, name, WIRE_NAME);
-  named = fd;
-  channel_pid = wire_pid();
+  channel = c;
   (void)pthread_once(&once, make_key);
   (void)pthread_setspecific(at_thread_end, &channel);
 }
@@ -236,19 +231,20 @@ static int changes(uint32_t op, uint64_t a) {
 int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
               uint32_t length, void *out, uint32_t *out_length) {
   sigset_t all, before;
-  int result = LOST, fd;
+  struct channel c;
+  int result = LOST;
   __atomic_add_fetch(&wire_calls, 1, __ATOMIC_RELAXED);
   if (changes(op, a)) __atomic_add_fetch(&wire_others, 1, __ATOMIC_RELAXED);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   lock_write_first();
-  fd = take_channel();
-  if (fd >= 0) {
-    result = exchange(fd, op, name, a, b, data, length, out, out_length, &before);
+  c = take_channel();
+  if (c.fd >= 0) {
+    result = exchange(c.fd, op, name, a, b, data, length, out, out_length, &before);
     if (result == LOST || result == -EINTR) {
-      close_directly(fd);
+      close_directly(c.fd);
     } else {
-      put_channel(fd);
+      put_channel(c);
     }
   }
   lock_after_call();

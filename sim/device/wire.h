@@ -24,17 +24,15 @@ enum wire_number {
 };
 
 enum wire_op {
-  WIRE_OPEN = 1,   /* on a new file: a = open flags, b = its inode, data = device path */
-  WIRE_IOCTL = 2,  /* a = request, data = argument in; reply data = argument out. MWAIT is answered
-                      behind the next servo sample; MWHY is of the last call on this channel, b =
-                      room for it, 0: MWHY_SIZE */
-  WIRE_READ = 3,   /* a = bytes wanted */
-  WIRE_WRITE = 4,  /* data = bytes */
-  WIRE_LOAD = 5,   /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
-  WIRE_STORE = 6,  /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,   /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
-  WIRE_CHANGE = 8, /* a = axis, data = pairs of a field's place in struct mc_param and its value:
-                      the other fields stay; reply data = struct mc_param */
+  WIRE_OPEN = 1,  /* on a new file: a = open flags, b = its inode, data = device path */
+  WIRE_IOCTL = 2, /* a = request, data = argument in; reply data = argument out. MWAIT is answered
+                     behind the next servo sample; MWHY is of the last call on this channel, b =
+                     room for it, 0: MWHY_SIZE */
+  WIRE_READ = 3,  /* a = bytes wanted */
+  WIRE_WRITE = 4, /* data = bytes */
+  WIRE_LOAD = 5,  /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
+  WIRE_STORE = 6, /* mapped write: a = offset, b = bytes (1, 2), data = value */
+  WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
   /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
   WIRE_LINE = 12,   /* a = enum wire_line and, from bit 8, the thread's number in its process, b =
                        thread: this is its line. Answered when it may run. Again: the thread ends, no
