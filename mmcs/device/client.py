@@ -8,9 +8,11 @@ Speaks to a running `mmcs serve` over its socket; the same calls as a C program 
 from __future__ import annotations
 
 import array
+import ctypes
 import errno
 import fcntl
 import os
+import signal
 import socket
 import struct
 import threading
@@ -77,7 +79,7 @@ class Device:
 
     Threads and signal handlers may call it at any time, also while another call is under way: each
     call has a channel of its own to the server. One that an exception cuts short (Ctrl-C) may or
-    may not have been carried out. SIGUSR1 comes only to a process that has a handler for it.
+    may not have been carried out. SIGUSR1 is ignored where it has no handler.
     """
 
     def __init__(self, path: str = "/dev/mc0", flags: int = os.O_RDWR, server: str = "mc0"):
@@ -85,11 +87,13 @@ class Device:
         self._idle: list[socket.socket] = []  # channels without a call; append and pop are atomic
         self._owner = os.getpid()
         self._attached = "MMCS_LOCKSTEP" in os.environ  # by the library that every thread has
+        if signal.getsignal(signal.SIGUSR1) is signal.SIG_DFL:  # which would end the process
+            ctypes.CDLL(None).signal(signal.SIGUSR1, ctypes.c_void_p(1))  # SIG_IGN, in any thread
         self._file = connect(self._where)
         try:
             self._name = self._file.getsockname().strip(b"\0")
             inode = os.fstat(self._file.fileno()).st_ino
-            asked = _checked("flags", flags) & 0xFFFFFFFF | wire.GENTLE
+            asked = _checked("flags", flags) & 0xFFFFFFFF
             result, _ = _exchange(self._file, wire.OPEN, b"", asked, inode, os.fsencode(path))
             if result < 0:
                 raise OSError(-result, _sentence(-result, reasons.OF_OPEN.get(-result, "")), path)
@@ -122,12 +126,8 @@ class Device:
 
     def write(self, setpoints: list[int]) -> None:
         """Setpoints of axes 0 to n-1, in feedback units, units per period, or D/A units."""
-        try:
-            data = struct.pack(f"<{len(setpoints)}i", *setpoints)
-        except (struct.error, TypeError):  # say which does not fit
-            values = [_checked("setpoint", value) for value in setpoints]
-            data = struct.pack(f"<{len(values)}i", *values)
-        self._ask(wire.WRITE, 0, data)
+        values = [_checked("setpoint", value) for value in setpoints]
+        self._ask(wire.WRITE, 0, struct.pack(f"<{len(values)}i", *values))
 
     def write_axis(self, axis: int, setpoint: int) -> None:
         """The setpoint of one axis; the others keep theirs, whoever writes them."""

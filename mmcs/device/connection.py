@@ -10,7 +10,9 @@ IN, OUT, GONE = select.EPOLLIN, select.EPOLLOUT, select.EPOLLHUP | select.EPOLLE
 
 
 class Connection:
-    """Knows bytes only; those who derive from it know requests."""
+    """Knows bytes only; those who derive from it know requests. Then they have client_writes(),
+    whether it belongs to somebody who may move the machine, and serve(nested), which does one;
+    nested: another client's request waits meanwhile, and what would wait is asked again later."""
 
     def __init__(self, sock, address, server):
         sock.setblocking(False)  # nobody who does not read his replies can hold us up
@@ -30,17 +32,6 @@ class Connection:
     def has_request(self) -> bool:
         """A whole request is there. What cannot become one ends the connection."""
         return False
-
-    def serve(self, nested: bool) -> None:
-        """Serves one. nested: another client's request waits meanwhile; what would wait as well is
-        asked again later."""
-
-    def client_writes(self) -> bool:
-        """It belongs to somebody who may move the machine: time goes slowly while he talks."""
-        return True
-
-    def stream(self, now: float) -> None:
-        """Sends what is due without a request."""
 
     def fail(self, why: str) -> None:
         """The request that was being served could not be."""

@@ -21,6 +21,7 @@ from mmcs.screen import clean
 
 FORWARDED = (signal.SIGTERM, signal.SIGHUP)
 OF_THE_TERMINAL = (signal.SIGINT, signal.SIGQUIT)  # the program gets them by itself
+FAREWELL_S = 1.0  # a server that has not answered by then is not waited for
 PT_INTERP = b"\3\0\0\0"
 
 
@@ -44,9 +45,7 @@ def cflags(modern: bool = False) -> list[str]:
 def environment(path: Path, sanitize: bool = False, lockstep: bool = False) -> dict[str, str]:
     """What makes a program find the server that listens at `path`."""
     before = os.environ.get("LD_PRELOAD", "").split(":")
-    libraries = [str(preload_library(sanitize)), *filter(None, before)]
-    if sanitize:  # the sanitizer's own library comes first, whatever else there is
-        libraries.sort(key=lambda name: "libasan" not in name)
+    libraries = [*filter(None, before), str(preload_library(sanitize))]  # a sanitizer's is first
     more = {"MMCS_LOCKSTEP": "1", "PYTHONHASHSEED": "0"} if lockstep else {}
     given = {name: value for name, value in os.environ.items() if name not in OWN_VARIABLES}
     return {**given, **more, "LD_PRELOAD": ":".join(libraries), "MMCS_SOCKET": str(path)}
@@ -101,9 +100,6 @@ def serve_program(server: Server, command: list[str]) -> int:
 def say(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody may be there to hear
         print(clean(text), file=sys.stderr, flush=True)
-
-
-FAREWELL_S = 1.0  # a server that has not answered by then is not waited for
 
 
 class _Console:

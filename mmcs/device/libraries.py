@@ -17,11 +17,8 @@ def preload_library(sanitize: bool = False) -> Path:
     """The preload library, compiled if missing, damaged or of other sources."""
     library = LIBRARY.with_stem(LIBRARY.stem + ("_asan" if sanitize else ""))
     inputs = [DEVICE / name for name in SOURCES]
-    inputs += [
-        file for folder in ("sim/device", "sim/device/include/sys", "sim/abi", "firmware/include",
-                            "firmware/include/sys")
-        for file in (ROOT / folder).glob("*.h")
-    ]  # fmt: skip
+    for folder in ("sim/device", "sim/abi", "firmware/include"):
+        inputs += (ROOT / folder).rglob("*.h")
     include = f"-I{ROOT / 'firmware' / 'include'}"
     command = ["cc", "-std=gnu11", "-O2", include, *(DEVICE / name for name in SOURCES)]
     command += ["-ldl", "-lpthread", *([*SANITIZE, "-g"] if sanitize else [])]

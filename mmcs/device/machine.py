@@ -19,7 +19,6 @@ class ServedMachine(Serving):
         """console(text) gets every line that the driver says."""
         super().__init__(sim)
         self.console, self.cards = console, sim.build()["cards"]
-        self.said = ""  # by the driver, of the last request if that was refused
         self._told = 0  # events that the console has seen
         self._input_numbers = {name: n for n, name in enumerate(sim.input_names())}
         self.waits = {request.code for request in mcdef.requests().values() if request.waits}
@@ -44,9 +43,7 @@ class ServedMachine(Serving):
     def ioctl(self, client, request: int, argument: bytes) -> tuple[int, bytes]:
         if request == MSTATUS:
             return 0, self.status()
-        before = self.sim.tap_head()[1]
         result, out = self.server_ioctl(client, request, argument)
-        self.said = "" if result >= 0 else self.said_since(before)
         if result >= 0:
             self.called(request)
         return result, out

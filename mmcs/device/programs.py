@@ -2,7 +2,6 @@
 """The server's end of the wire (sim/device/wire.h): programs that open /dev/mcN and /dev/vme16."""
 
 import contextlib
-import errno
 import math
 import os
 import signal
@@ -27,7 +26,7 @@ class Program(Connection):
         self._name = bytes(address).strip(b"\0") if address else b""
         self._files: dict[bytes, Program] = server.files
         self.client = None  # of a file: its mmcs_client
-        self._link, self._gentle = "", False  # of its other end, as /proc shows it; see wire.h
+        self._link = ""  # its other end, as /proc shows it
         self.pids: set[int] = set()  # processes that had the file open when they said so last
         self._said = ""  # by the driver, when the last call on this channel failed
         self._paused_at: float | None = None  # the clock on the wall when its request met a pause
@@ -74,7 +73,12 @@ class Program(Connection):
         self.server.signal()  # its own is there before the call returns
         self.reply(result, out)
         if op == wire.OPEN and result >= 0:
-            self._become_file()
+            # From now on only its end is waited for: bytes that a program writes past the library
+            # fail there, and poll() finds it readable, as read() never blocks.
+            self._send(b".")
+            with contextlib.suppress(OSError):
+                self.sock.shutdown(socket.SHUT_RD)
+            self.watch(0)
 
     def _say_paused(self, request: int, pid: int) -> None:
         """Once, when it has waited for a while."""
@@ -101,14 +105,6 @@ class Program(Connection):
         except OSError:
             self.end()
 
-    def _become_file(self) -> None:
-        """From now on only its end is waited for: bytes that a program writes past the library
-        fail there, and poll() finds it readable, as read() never blocks."""
-        self._send(b".")
-        with contextlib.suppress(OSError):
-            self.sock.shutdown(socket.SHUT_RD)
-        self.watch(0)
-
     def leave(self) -> None:
         if self.client is not None:
             del self._files[self._name]
@@ -122,7 +118,7 @@ class Program(Connection):
         for pid in list(self.pids):
             if self._link not in wire.links(pid):
                 self.pids.discard(pid)
-            elif not self._gentle or wire.catches(pid, signal.SIGUSR1):
+            else:
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGUSR1)
                     told.append(pid)
@@ -149,9 +145,11 @@ class Program(Connection):
         file.pids.add(pid)
         if op == wire.HOLD:
             return int(file.client.driver < 0), b""
+        before = self.machine.sim.tap_head()[1]
         result, out = self._of_file(file.client, op, a, b, payload, pid)
         if result < 0:
-            self._said = self.machine.said or self._because(file.client, -result, op, a, payload)
+            said = self.machine.said_since(before)
+            self._said = said or self._because(file.client, -result, op, a, payload)
         return result, out
 
     def _because(self, client, error: int, op: int, a: int, payload: bytes) -> str:
@@ -162,13 +160,11 @@ class Program(Connection):
             return ""
         if op == wire.IOCTL:
             return reasons.of_ioctl(error, a, payload)
-        return reasons.of_call(
-            *(("read", error, a) if op == wire.READ else ("write", error, len(payload)))
-        )
+        name, value = ("read", a) if op == wire.READ else ("write", len(payload))
+        return reasons.of_call(name, error, value)
 
     def _of_file(self, client, op: int, a: int, b: int, payload: bytes, pid: int):
         machine = self.machine
-        machine.said = ""
         if op in (wire.LOAD, wire.STORE):
             if client.driver >= 0:
                 return wire.BUS_TIMEOUT, b""
@@ -176,27 +172,18 @@ class Program(Connection):
         if op == wire.IOCTL and a == wire.MLEASE:
             if not (lease := LEASE.get(payload)):
                 return -wire.EINVAL, b""
-            done = machine.request(client, {"op": "lease", lease: True})
-            machine.said = done.get("text", "")
-            return -done.get("errno", 0), b""
+            return -machine.request(client, {"op": "lease", lease: True}).get("errno", 0), b""
         if client.driver < 0:
             return (-wire.ENOTTY if op == wire.IOCTL else -wire.EINVAL), b""
         if op == wire.IOCTL:
             return machine.ioctl(client, a, payload)
         if op == wire.READ:
             return self._turns.read_states(pid, client, min(a, wire.MAX_DATA))
-        before = machine.sim.tap_head()[1]
-        result = self._turns.write(pid, client, payload, len(payload))
-        machine.said = "" if result >= 0 else machine.said_since(before)
-        return result, b""
+        return self._turns.write(pid, client, payload, len(payload)), b""
 
     def _open(self, device: bytes, flags: int, inode: int, pid: int) -> int:
         if self.client is not None or not self._name or self._name in self._files:
             return -wire.EINVAL  # a file is opened once, and has a name of its own
-        if flags & os.O_DIRECTORY:
-            return -errno.ENOTDIR
-        if flags & os.O_EXCL and flags & os.O_CREAT:
-            return -errno.EEXIST
         machine = self.machine
         client = machine.enter("device", pid, wire.command(pid))
         result = machine.open(client, device, flags & 0x7FFFFFFF)
@@ -204,7 +191,7 @@ class Program(Connection):
             machine.leave(client)
             return result
         self.client = client
-        self._link, self._gentle = f"socket:[{inode}]", bool(flags & wire.GENTLE)
+        self._link = f"socket:[{inode}]"
         self.pids.add(pid)
         self._files[self._name] = self
         return 0

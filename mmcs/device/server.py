@@ -54,7 +54,6 @@ class Server:
         self.connections: dict[int, Connection] = {}
         self.stopping = False
         self.advances: tuple[Messenger, object] | None = None  # who lets time pass, and its id
-        self._problem: BaseException | None = None
         self._events = 0  # of the tap: signals among them
         self._watchers: list[Program] = []  # for a sample
         self._watched = 0  # the clock until which they wait
@@ -62,7 +61,7 @@ class Server:
         self.restart()
         self.poll = select.epoll()
         fd = self.poll.fileno()
-        self.lockstep = Turns(self.machine, fd, lockstep, self._signal_now, console)
+        self.lockstep = Turns(self.machine, fd, lockstep, self.signal, console)
         self._core = Core(self.lockstep) if lockstep else None
         limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
         self.most = max(1, min(MOST_CONNECTIONS, limit - SPARE_DESCRIPTORS))
@@ -101,7 +100,7 @@ class Server:
                 if connection.client_writes():
                     self.chunk = CHUNK_MIN_S
                 self._serve(connection)
-                self._after()
+                self.signal()
                 self._listen(0)  # for the stop path
                 self._hang_up_ended()
         self._pass_time()
@@ -133,26 +132,15 @@ class Server:
             connection.fail(f"the server failed at this request ({what}); connection closed")
             connection.end()
 
-    def _after(self) -> None:
-        """A request has been served."""
-        self.signal()
-        if self._problem is not None:
-            problem, self._problem = self._problem, None
-            raise problem
-
     def _look(self) -> int:
         """While a request waits: the stop path, requests of others that do not wait, signals. 1: it
         shall not go on waiting. Nobody is hung up, for who waits may be the one."""
-        try:
-            self._listen(0)
-            for connection in list(self.connections.values()):
-                if connection.has_request() and not connection.busy:
-                    self._serve(connection, nested=True)
-            self.signal()
-            self._send()
-        except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
-            self._problem = problem
-            return 1
+        self._listen(0)
+        for connection in list(self.connections.values()):
+            if connection.has_request() and not connection.busy:
+                self._serve(connection, nested=True)
+        self.signal()
+        self._send()
         return int(self.stopping)
 
     # --- time ---
@@ -227,7 +215,7 @@ class Server:
         self.machine.check(self.listened)
         self.machine.tell_console()
         for connection in self.connections.values():
-            if not connection.ended:
+            if isinstance(connection, Messenger) and not connection.ended:
                 with self._unharmed(connection):
                     connection.stream(now)
 
@@ -244,13 +232,6 @@ class Server:
         for pid in sent:
             self.lockstep.signalled(pid, 1 << (signal.SIGUSR1 - 1))
         return sent
-
-    def _signal_now(self) -> None:
-        """The same, called from C."""
-        try:
-            self.signal()
-        except BaseException as problem:  # a signal's handler may raise: it must not get lost in C
-            self._problem = problem
 
     # --- connections ---
 

@@ -82,14 +82,12 @@ class Name:
                 raise InputError.one(path, "", None, "is not a socket; move it away and try again")
             path.unlink()
         server = socket.socket(socket.AF_UNIX, _kind(path))
-        old = os.umask(0o177)
         try:
             server.bind(str(path))
+            path.chmod(0o600)
         except OSError as error:
             server.close()
             raise _unusable(path, error) from None
-        finally:
-            os.umask(old)
         self._made.append((path, server))
         server.listen(BACKLOG)
         server.setblocking(False)

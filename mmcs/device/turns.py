@@ -20,15 +20,14 @@ class Turns:
     """Whose turn it is. `now` has the fields of struct turns."""
 
     def __init__(self, machine, epoll: int, on: bool, signal, tell):
-        """signal(): sends the driver's signals, of which signalled() tells; it must not raise.
-        tell(text): stderr."""
+        """signal(): sends the driver's signals, of which signalled() tells. tell(text): stderr."""
         sim = machine.sim
         self._ffi, self._lib, self.on, self._tell = sim.ffi, sim.lib, on, tell
         made = self._lib.turns_create(sim.handle, machine.now, epoll)
         self.now = self._ffi.gc(made, self._lib.turns_destroy)
         callback = self._ffi.callback
         self._calls = [  # C has them as long as this lives
-            callback("void(void)", signal),
+            callback("int(void)", lambda: len(signal())),
             callback("int(int, int)", self._is_outside),
             callback("void(int, int)", self._say),
         ]
@@ -45,16 +44,15 @@ class Turns:
         result = self._lib.turns_read(self.now, pid, client, states, size)
         return result, bytes(self._ffi.buffer(states, max(result, 0)))
 
-    def pids(self, attached: bool) -> list[int]:
-        """Of processes; of those with the library, of all whose threads one runs at a time."""
+    def pids(self) -> list[int]:
         pids = self._ffi.new("int32_t[]", 1000)
-        return [*pids[0 : self._lib.turns_pids(self.now, pids, len(pids), attached)]]
+        return [*pids[0 : self._lib.turns_pids(self.now, pids, len(pids))]]
 
     def has(self, pid: int) -> bool:
-        return pid in self.pids(False)
+        return pid in self.pids()
 
     def _is_outside(self, pid: int, fd: int) -> int:
-        return int(wire.is_outside(pid, fd, self.pids(False)))
+        return int(wire.is_outside(pid, fd, self.pids()))
 
     def _say(self, pid: int, why: int) -> None:
         who = f"{wire.command(pid) or 'a program'} ({pid})" if pid else "a program"
@@ -83,7 +81,7 @@ class Core:
 
     def _move(self, cores: set[int]) -> None:
         os.sched_setaffinity(0, cores)
-        for pid in self._turns.pids(True):
+        for pid in self._turns.pids():
             with contextlib.suppress(OSError):  # it may have ended
                 for thread in os.listdir(f"/proc/{pid}/task"):
                     os.sched_setaffinity(int(thread), cores)

@@ -33,7 +33,6 @@ STATUS = _layout("mmcs_status")
 OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, LINE, *_ = _numbers("wire_op")
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = _numbers("wire_bus")
 _, MAX_DATA, MAGIC = _numbers("wire_number")
-GENTLE = 1 << 32  # with OPEN: SIGUSR1 only to processes that catch it
 MAX_PATH = 256
 
 EIO, ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 5, 6, 9, 16, 22, 25
@@ -65,36 +64,21 @@ def links(pid: int) -> Iterator[str]:
                 yield os.readlink(entry.path)
 
 
-def catches(pid: int, number: int) -> bool:
-    """The process has a handler for this signal."""
-    with contextlib.suppress(OSError), open(_alive(pid) / "status") as status:
-        for line in status:
-            if line.startswith("SigCgt:"):
-                return bool(int(line.split()[1], 16) >> (number - 1) & 1)
-    return False
-
-
 def is_request(packet: bytes) -> bool:
     """A head, and as many bytes as it says."""
-    if len(packet) < REQUEST.size:
-        return False
-    magic, *_, length, _ = REQUEST.unpack_from(packet)
-    return magic == MAGIC and length <= MAX_DATA and len(packet) == REQUEST.size + length
+    head = REQUEST.unpack_from(packet.ljust(REQUEST.size))
+    return head[0] == MAGIC and len(packet) == REQUEST.size + head[5]
 
 
 def well_formed(op: int, a: int, b: int, size: int) -> bool:
     """Whether the data of a request is as long as its kind says."""
-    if op == OPEN:
-        return 0 < size <= MAX_PATH and b > 0
+    if op in (LOAD, STORE):
+        return b in (1, 2) and size == (b if op == STORE else 0)
     if op == IOCTL:
         return size in (0, a >> 16 & 0x1FFF)
-    if op == WRITE:
-        return True
-    if op == STORE:
-        return size == b and b in (1, 2)
-    if op == LOAD:
-        return size == 0 and b in (1, 2)
-    return op in (READ, HOLD) and size == 0
+    if op == OPEN:
+        return 0 < size <= MAX_PATH and b > 0
+    return op == WRITE or (op in (READ, HOLD) and size == 0)
 
 
 def _peer(link: str) -> str:

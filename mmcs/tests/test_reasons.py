@@ -28,8 +28,7 @@ calls = [
     lambda: dev.set_dac(0, 5), lambda: (dev.stop(), dev.write_axis(0, 1)),
     lambda: (dev.stop(), dev.write([1])),
     lambda: dev.write([1]), lambda: dev.write_axis(0, 1),  # the driver says it once
-    lambda: mmcs.Device("/dev/mc1"), lambda: mmcs.Device(flags=os.O_RDWR | os.O_DIRECTORY),
-    lambda: mmcs.Device(flags=os.O_RDWR | os.O_CREAT | os.O_EXCL),
+    lambda: mmcs.Device("/dev/mc1"),
     lambda: mmcs.Device(flags=3), lambda: (mon.close(), mon.read()), lambda: mon.wait(),
 ]
 for call in calls:
@@ -39,36 +38,34 @@ for call in calls:
     except OSError as error:
         print(error.strerror.partition(": ")[2] or "nothing")
 """
-AXIS = "must be an axis that the servo controls"
-OF_PARAM = f"{AXIS}; {reasons.ALLOWED['MSETPARAM'].partition('; ')[2]}"
-SAID = f"""MSETNUMJOINTS: 3: must be 0 to the number of axes found
-MSETINTERVAL: 50: must be 100 us or more, exact to 0.1 %, and at most 50 ms by clkdivisor
-MGETPARAM: 7: {AXIS}
-MSETPARAM: 0: {OF_PARAM}
-MSETPARAM: 0: {OF_PARAM}
-MSETPARAM: 0: {OF_PARAM}
-MSETPARAM: 0: {OF_PARAM}
-MSETPARAM: 1: {OF_PARAM}
-MSETENC: 9: {AXIS}
-MSETLED: 2: {AXIS}
-MCALIB: -1: {AXIS}
-MDIAGMODE: 8: must be M_ANDIAG, M_ENDIAG, both or 0
+BOUNDS = reasons.OF_ANY[errno.EINVAL]
+SAID = f"""MSETNUMJOINTS: 3: negative, or more than found
+MSETINTERVAL: 50: under 100 us, over 536 s (8 MHz), off by more than 0.1 %, or too \
+long for a `clkdivisor`
+MGETPARAM: 7: {BOUNDS}
+MSETPARAM: 0: axis, or beyond the bounds of the parameters
+MSETPARAM: 0: axis, or beyond the bounds of the parameters
+MSETPARAM: 0: axis, or beyond the bounds of the parameters
+MSETPARAM: 0: axis, or beyond the bounds of the parameters
+MSETPARAM: 1: axis, or beyond the bounds of the parameters
+MSETENC: 9: {BOUNDS}
+MSETLED: 258: {BOUNDS}
+MCALIB: -1: {BOUNDS}
+MDIAGMODE: 8: other bits
 write: 12: must be 4 bytes for each joint, of no more joints than the servo controls
 there is no request 0x00004d99
 MENABLE: the device is open for reading only
 write: the device is open for reading only
 MSETNUMJOINTS: the device is open for reading only
-MSETPOINT: 2: {AXIS}
-MCALIBEND: 3: {AXIS}
+MSETPOINT: 2: {BOUNDS}
+MCALIBEND: 3: {BOUNDS}
 MSETPOINT: the device is open for reading only
-MSETDAC: the machine is not enabled
+MSETDAC: not enabled
 write: stopped, MENABLE first
 write: stopped, MENABLE first
 write: stopped or shut down, MENABLE first
-MSETPOINT: stopped or shut down, MENABLE first
+MSETPOINT: stopped or shut down
 no adaptor answers there
-a device is no directory
-it exists already
 must be opened for reading, writing or both
 the device is closed
 the device is closed

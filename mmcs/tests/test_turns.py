@@ -166,7 +166,7 @@ def test_server_and_programs_share_a_core(tmp_path):
     assert output_in_lockstep(tmp_path, *PYTHON, CORES)[:2] == ("1\n1\n1\n", 0)
     assert os.sched_getaffinity(0) == before
     child = subprocess.Popen(["sleep", "60"])
-    core = Core(SimpleNamespace(pids=lambda attached: [child.pid]))
+    core = Core(SimpleNamespace(pids=lambda: [child.pid]))
     core.leave()
     core.share(1.0)
     shared = os.sched_getaffinity(0)

@@ -116,8 +116,8 @@ int lock_ask(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t len
 /* The new thread's first act. */
 void lock_begin_thread(unsigned number);
 
-/* The next sample: its number, or a negative errno. */
-int lock_sample(uint32_t *number);
+/* MWAIT. Elsewhere it is a request as any, which the server answers late. */
+int lock_sample(void *number);
 /* A read(), with request 0, or a request whose argument only comes out: its bytes if they are known
  * from before, else 0. And what the server has answered to one. */
 int lock_known(const char name[WIRE_NAME], uint32_t request, void *data, uint32_t asked);

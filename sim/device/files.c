@@ -13,37 +13,19 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
-#include <sys/sysmacros.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 #include "device.h"
 
-#define MC_MAJOR 60 /* of those that are free for local use */
-#define VME_MAJOR 61
-#define MODE (S_IFCHR | 0600)
 #define MOST 4096 /* bytes of one call, as in preload.c */
 
 /* --- stat, access ---------------------------------------------------------------------- */
 
-static dev_t number_of(const char *path) {
-  int is_vme = path[5] == 'v';
-  return makedev(is_vme ? VME_MAJOR : MC_MAJOR, is_vme ? 0u : (unsigned)(path[7] - '0'));
-}
-
-static struct stat stat_path(const char *path) {
-  struct stat status = {.st_mode = MODE, .st_nlink = 1, .st_blksize = MOST};
-  status.st_uid = getuid();
-  status.st_gid = getgid();
-  status.st_rdev = number_of(path);
-  status.st_ino = status.st_rdev;
-  return status;
-}
-
 int fstatat(int folder, const char *path, struct stat *status, int flags) {
-  struct stat found;
+  struct stat found = {.st_mode = S_IFCHR | 0600, .st_nlink = 1, .st_blksize = MOST};
   if (!device_is_path(path)) return (int)syscall(SYS_newfstatat, folder, path, status, flags);
-  found = stat_path(path);
+  found.st_uid = getuid();
   return device_fail(device_copy_out(status, &found, sizeof(found)));
 }
 int stat(const char *path, struct stat *status) {
@@ -66,36 +48,23 @@ int access(const char *path, int mode) {
 
 /* --- vectors --------------------------------------------------------------------------- */
 
-static size_t sum_of(const struct iovec *vector, int count) {
-  size_t sum = 0;
-  for (int i = 0; i < count && sum <= MOST; i++)
-    sum += vector[i].iov_len < MOST ? vector[i].iov_len : MOST + 1;
-  return sum;
-}
-
 ssize_t writev(int fd, const struct iovec *vector, int count) {
   char name[WIRE_NAME], data[MOST];
   size_t done = 0;
   if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
-  if (sum_of(vector, count) > MOST) return device_fail(-EINVAL);
-  for (int i = 0; i < count; done += vector[i++].iov_len)
+  for (int i = 0; i < count; done += vector[i++].iov_len) {
+    if (vector[i].iov_len > MOST - done) return device_fail(-EINVAL);
     if (device_copy_in(data + done, vector[i].iov_base, vector[i].iov_len) < 0)
       return device_fail(-EFAULT);
+  }
   return device_fail((int)device_write(name, data, done));
 }
 
+/* The first buffer: a read may give less than was asked for. */
 ssize_t readv(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME], data[MOST];
-  const size_t sum = sum_of(vector, count);
-  ssize_t got, done = 0;
+  char name[WIRE_NAME];
   if (!wire_is_file(fd, name)) return syscall(SYS_readv, fd, vector, count);
-  got = device_read(name, data, sum < MOST ? sum : MOST);
-  for (int i = 0; done < got; done += (ssize_t)vector[i++].iov_len) {
-    const size_t left = (size_t)(got - done),
-                 part = vector[i].iov_len < left ? vector[i].iov_len : left;
-    if (device_copy_out(vector[i].iov_base, data + done, part) < 0) return device_fail(-EFAULT);
-  }
-  return device_fail((int)got);
+  return read(fd, vector->iov_base, vector->iov_len);
 }
 
 /* --- stdio ------------------------------------------------------------------------------ */
@@ -154,9 +123,8 @@ SAME(fread_unlocked, fread);
 
 static int flags_of(const char *mode) {
   int cloexec = strchr(mode, 'e') != NULL ? O_CLOEXEC : 0;
-  int fresh = *mode != 'r' && strchr(mode, 'x') != NULL ? O_CREAT | O_EXCL : 0;
-  if (strchr(mode, '+') != NULL) return O_RDWR | cloexec | fresh;
-  return (*mode == 'r' ? O_RDONLY : O_WRONLY) | cloexec | fresh;
+  if (strchr(mode, '+') != NULL) return O_RDWR | cloexec;
+  return (*mode == 'r' ? O_RDONLY : O_WRONLY) | cloexec;
 }
 
 static FILE *open_stream(const char *path, const char *mode) {

@@ -22,7 +22,7 @@ void see_signals(struct turns *t) {
   const int64_t events = events_of(t);
   if (events == t->events) return;
   t->events = events;
-  t->send_signals();
+  (void)t->send_signals();
 }
 
 /* --- read() and write() ---------------------------------------------------------------- */

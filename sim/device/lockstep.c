@@ -328,12 +328,11 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   return cause < 0 ? CAUSE_OUTSIDE : cause;
 }
 
-int lock_sample(uint32_t *number) {
+int lock_sample(void *number) {
   int cause = lock_wait(WAIT_SAMPLE | LOCK_RESTARTS, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
   if (cause == CAUSE_SIGNAL) return -EINTR;
   if (cause == CAUSE_LATE) return -EIO;
-  *number = now_sample;
-  return 0;
+  return device_copy_out(number, &now_sample, sizeof(now_sample));
 }
 
 /* --- lines ----------------------------------------------------------------------------- */

@@ -37,13 +37,11 @@ int device_fail(int result) {
 /* A user's pointer may be bad: copying through the kernel tells, a memcpy would crash. */
 int device_copy_in(void *to, const void *from, size_t length) {
   struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
-  if (length == 0) return 0;
   return process_vm_readv(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
 }
 
 int device_copy_out(void *to, const void *from, size_t length) {
   struct iovec local = {(void *)(uintptr_t)from, length}, remote = {to, length};
-  if (length == 0) return 0;
   return process_vm_writev(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
 }
 
@@ -78,14 +76,10 @@ int open(const char *path, int flags, ...) {
   va_end(list);
   return openat(AT_FDCWD, path, flags, mode);
 }
-int creat(const char *path, mode_t mode) {
-  return open(path, O_CREAT | O_WRONLY | O_TRUNC, mode);
-}
 SAME(openat64, openat);
 SAME(open64, open);
 SAME(__open_2, open);
 SAME(__open64_2, open);
-SAME(creat64, creat);
 
 /* --- read, write, ioctl ---------------------------------------------------------------- */
 
@@ -144,13 +138,6 @@ ssize_t write(int fd, const void *buffer, size_t length) {
   return device_fail((int)device_write(name, buffer, length));
 }
 
-/* MWAIT in lock-step. Elsewhere it is a request as any, which the server answers late. */
-static int await_sample(int *argument) {
-  uint32_t number;
-  int result = lock_sample(&number);
-  return result < 0 ? result : device_copy_out(argument, &number, sizeof(number));
-}
-
 static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
   char in[256] = {0}, out[256];
   uint32_t size = REQUEST_SIZE(request), room = size;
@@ -159,7 +146,7 @@ static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argu
   if (size > sizeof(in)) return -ENOTTY;
   if (size > 0 && device_copy_in(in, argument, size) < 0) return -EFAULT;
   if (REQUEST_OUT(request) && device_can_take(argument, size) < 0) return -EFAULT;
-  if (request == MWAIT && lock_on()) return await_sample(argument);
+  if (request == MWAIT && lock_on()) return lock_sample(argument);
   if (only_out && lock_known(name, request, out, size) > 0)
     return device_copy_out(argument, out, size);
   result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);

@@ -6,7 +6,6 @@
 #include <errno.h>
 #include <pthread.h>
 #include <semaphore.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -243,30 +242,16 @@ pid_t vfork(void) {
   return fork();
 }
 
-static int told(int result, pid_t pid) {
-  if (result == 0 && lock_on()) (void)lock_tell(WIRE_SPAWN, (uint64_t)pid, 0);
-  return result;
-}
-
-#define SPAWN_LIKE(name)                                                           \
-  int name(pid_t *restrict pid, const char *restrict path,                         \
-           const posix_spawn_file_actions_t *restrict files,                       \
-           const posix_spawnattr_t *restrict how, char *const arguments[restrict], \
-           char *const environment[restrict]) {                                    \
-    pid_t child = 0;                                                               \
-    int result = REAL(name)(&child, path, files, how, arguments, environment);     \
-    if (pid != NULL) *pid = child;                                                 \
-    return told(result, child);                                                    \
-  }
-SPAWN_LIKE(posix_spawn)
-SPAWN_LIKE(posix_spawnp)
-
 int system(const char *command) {
-  char *const arguments[] = {(char *)"sh", (char *)"-c", (char *)(uintptr_t)command, NULL};
   int status = -1;
   pid_t pid;
   if (!lock_on() || command == NULL) return REAL(system)(command);
-  if (posix_spawn(&pid, "/bin/sh", NULL, NULL, arguments, environ) != 0) return 127 << 8;
+  pid = fork();
+  if (pid < 0) return -1;
+  if (pid == 0) {
+    (void)execl("/bin/sh", "sh", "-c", command, NULL);
+    _exit(127);
+  }
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) continue;
   return status;
 }

@@ -79,9 +79,9 @@ void turns_expect(struct turns *t, int pid) {
   begin(t);
 }
 
-int turns_pids(const struct turns *t, int32_t *pids, int most, int attached) {
+int turns_pids(const struct turns *t, int32_t *pids, int most) {
   int n = 0;
-  EACH_PROCESS(t, p) if ((p->lines != NULL || !attached) && n < most) pids[n++] = p->pid;
+  EACH_PROCESS(t, p) if (n < most) pids[n++] = p->pid;
   return n;
 }
 

@@ -17,7 +17,7 @@ struct turns {                /* the server reads and writes the first of it */
   int32_t lines;              /* there are */
   /* The server's: sends the driver's signals and calls turns_signalled(); whether no attached
    * process has the other end of a descriptor; tells why time stands still, or ends no wait. */
-  void (*send_signals)(void);
+  int (*send_signals)(void);
   int (*is_outside)(int pid, int fd);
   void (*tell)(int pid, int why);
 
@@ -40,8 +40,8 @@ void turns_destroy(struct turns *t);
 
 /* A program that has been started: nothing goes on before it has come, or ended. */
 void turns_expect(struct turns *t, int pid);
-/* The processes, or those that have the library only; their number. */
-int turns_pids(const struct turns *t, int32_t *pids, int most, int attached);
+/* The processes; their number. */
+int turns_pids(const struct turns *t, int32_t *pids, int most);
 /* WIRE_LINE has come on this connection, which belongs to the engine from now on. */
 void turns_line(struct turns *t, int fd, const void *request);
 /* 1: the descriptor was a line's or a process', and what it had has been served. */

@@ -197,12 +197,9 @@ static void catch_faults(void) {
 }
 #endif
 
-static int is_ours(int number) {
-  return caught && (number == SIGSEGV || number == SIGBUS || number == SIGTRAP);
-}
-
 int sigaction(int number, const struct sigaction *act, struct sigaction *old) {
-  if (!is_ours(number)) return REAL(sigaction)(number, act, old);
+  if (!caught || (number != SIGSEGV && number != SIGBUS && number != SIGTRAP))
+    return REAL(sigaction)(number, act, old);
   if (old != NULL) *old = user[number];
   if (act != NULL) user[number] = *act;
   return 0;

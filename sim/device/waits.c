@@ -16,7 +16,6 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/time.h>
-#include <threads.h>
 #include <unistd.h>
 
 #include "device.h"
@@ -39,14 +38,10 @@ static int sleep_until(uint64_t until, struct timespec *left) {
   return EINTR;
 }
 
-static int is_time(const struct timespec *at) {
-  return at->tv_sec >= 0 && at->tv_nsec >= 0 && at->tv_nsec < SECOND;
-}
-
 CALL(int, clock_nanosleep,
      (clockid_t clock, int flags, const struct timespec *at, struct timespec *left),
      (clock, flags, at, left)) {
-  if (!is_time(at)) return EINVAL;
+  if (at->tv_sec < 0 || at->tv_nsec < 0 || at->tv_nsec >= SECOND) return EINVAL;
   if (flags & TIMER_ABSTIME) return sleep_until(lock_until(clock, at), NULL);
   return sleep_until(lock_after(lock_ns(at)), left);
 }
@@ -64,10 +59,6 @@ int usleep(useconds_t us) {
 unsigned sleep(unsigned seconds) {
   struct timespec at = {seconds, 0}, left = {0};
   return nanosleep(&at, &left) == 0 ? 0 : (unsigned)left.tv_sec + (left.tv_nsec > 0);
-}
-
-int thrd_sleep(const struct timespec *at, struct timespec *left) {
-  return nanosleep(at, left);
 }
 
 CALL(int, sched_yield, (void), ()) {

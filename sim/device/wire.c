@@ -81,17 +81,9 @@ static void close_directly(int fd) {
 
 /* Whoever can make a socket at our path is not yet our server. */
 static int is_mine(int fd) {
-  static int told;
   struct ucred peer;
   socklen_t length = sizeof(peer);
-  if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid == geteuid())
-    return 1;
-  if (!told) {
-    static const char text[] = "mmcs: the simulator's socket is another user's: not used\n";
-    (void)!syscall(SYS_write, 2, text, sizeof(text) - 1);
-  }
-  told = 1;
-  return 0;
+  return getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid == geteuid();
 }
 
 /* Bound first, so that it has a name of its own. */
@@ -128,14 +120,17 @@ static int exchange(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a,
   return reply.result;
 }
 
+static ino_t inode_of(int fd) {
+  struct stat status = {0};
+  return syscall(SYS_fstat, fd, &status) == 0 ? status.st_ino : 0;
+}
+
 int wire_open(const char *path, int flags) {
-  struct statx status = {0};
   sigset_t now;
   int result, fd = wire_connect((flags & O_CLOEXEC) != 0);
   if (fd < 0) return fd;
   pthread_sigmask(SIG_SETMASK, NULL, &now);
-  (void)statx(fd, "", AT_EMPTY_PATH, STATX_INO, &status);
-  result = exchange(fd, WIRE_OPEN, NULL, (uint64_t)flags, status.stx_ino, path,
+  result = exchange(fd, WIRE_OPEN, NULL, (uint64_t)flags, inode_of(fd), path,
                     (uint32_t)strlen(path), NULL, NULL, &now);
   if (result < 0) {
     close_directly(fd);
@@ -182,11 +177,6 @@ static __thread struct channel {
 } channel = {.fd = -1};
 static pthread_key_t at_thread_end;
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-
-static ino_t inode_of(int fd) {
-  struct stat status = {0};
-  return syscall(SYS_fstat, fd, &status) == 0 ? status.st_ino : 0;
-}
 
 static struct channel take_channel(void) {
   const struct channel had = channel, none = {.fd = -1};

@@ -87,9 +87,6 @@ struct wire_now {
   int32_t writes;  /* 1: a write() as the last one, before time goes on, needs no answer */
 };
 
-/* With the flags of WIRE_OPEN: SIGUSR1 only to processes that catch it. */
-#define WIRE_GENTLE (1ull << 32)
-
 struct wire_request {
   uint32_t magic;
   uint32_t op;

@@ -62,7 +62,7 @@ static void sleeping(void) {
   TIMED(clock_nanosleep(CLOCK_MONOTONIC, 0, &ms5, NULL));
   TIMED(clock_nanosleep(CLOCK_REALTIME, TIMER_ABSTIME, &later, NULL));
   TIMED(sleep(1));
-  TIMED(thrd_sleep(&ms5, NULL));
+  TIMED(nanosleep(&ms5, NULL));
   TIMED(select(0, NULL, NULL, NULL, &tv));
   TIMED(pselect(0, &none, NULL, NULL, &ms5, NULL));
   TIMED(poll(NULL, 0, 3));
