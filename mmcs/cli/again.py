@@ -91,5 +91,6 @@ def _made(name: str, at: str | None):
         if float(at) > (most := setup.scenario.duration):
             raise InputError.one("--at", "", at, f"must be at most {most:g} s, the end of the run")
     folder = results("runs", setup.path) / setup.name
+    echo(f"{name} is run first; what is in {folder} is replaced")
     good = run_scenario(setup, folder)
     return read_record(str(folder)), good

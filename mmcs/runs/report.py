@@ -129,6 +129,8 @@ def print_report(report: dict, result, say, verbose: bool = False) -> None:
         say(NONE)
     named = ("interrupts", "missed", "overruns", "panics")
     counts = ", ".join(f"{report['stats'][name]} {name}" for name in named)
+    if not report["stats"]["interrupts"]:
+        counts = "the driver of /dev/mc0 has had no interrupts"
     say(f"{counts}; hash {report['hash']}")
     for axis in report["axes"]:
         if axis["limited_samples"]:

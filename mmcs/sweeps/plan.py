@@ -12,11 +12,11 @@ import math
 import random
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from mmcs import __version__
-from mmcs.errors import InputError, show
+from mmcs.errors import InputError, Mistake, show
 from mmcs.scenario.files import Files, find, parse_toml, read_scenario
 from mmcs.scenario.sets import parse_value, set_key, split_set
 
@@ -185,9 +185,19 @@ class Plan:
 
         data = copy.deepcopy(self.data)
         for key, value in values.items():
-            option = "--grid" if key in [v.key for v in self.grid] else "--random"
-            set_key(data, key, copy.deepcopy(value), option)
+            set_key(data, key, copy.deepcopy(value), self._option(key))
         return make_setup(self.path, data, self._files)
+
+    def _option(self, key: str) -> str:
+        return "--grid" if key in [v.key for v in self.grid] else "--random"
+
+    def _of(self, mistake: Mistake, key: str) -> Mistake:
+        """By the name that the option gave the key."""
+        end = mistake.key.rpartition(".")[2]
+        if mistake.file != str(self.path) or end not in (key.rpartition(".")[2], "axis"):
+            return mistake
+        value = None if end == "axis" else mistake.value
+        return replace(mistake, file=self._option(key), key=key, value=value)
 
     def tasks(self, rows: dict[int, dict], fail) -> Iterator[tuple[tuple[int], object]]:
         """((number,), setup) of what has no row yet; fail(number, why): the values are no good
@@ -221,7 +231,7 @@ class Plan:
                     except InputError as error:
                         mistake = mistake or error
                 else:
-                    raise mistake
+                    raise InputError(*(self._of(one, vary.key) for one in mistake.mistakes))
 
     def first(self):
         """The setup of the first row that is good. Raises InputError."""
