@@ -52,13 +52,9 @@ export class Axis {
     return this.param.mode & FLAGS.ADDMD ? "ad" : this.square ? "square" : "slider";
   }
 
-  get interval_s() {
-    return this.page.interval_s(this.number);
-  }
-
   /** PID gains that the integers stand for, or null. */
   get gains() {
-    return gainsOf(this.param, this.interval_s);
+    return gainsOf(this.param, this.page.interval_s(this.number));
   }
 
   /** Of the setpoint: name, range, unit and factor of what is shown; null: it takes none. */
@@ -141,7 +137,7 @@ export class Axis {
     const percent = parseNumber(String(text));
     if (percent === null) throw new Error(`"${text}" is no gain in %`);
     const { p = 0, i = 0, d = 0, tau = 0 } = this.gains ?? {};
-    const made = await this.page.design({ p, i, d, tau, [name]: percent / 100 }, this.interval_s);
+    const made = await this.page.design({ p, i, d, tau, [name]: percent / 100 }, this.number);
     this.warnings = made.warnings;
     if (percent < 0) {
       this.warnings = [`${name.toUpperCase()} is negative: the loop drives away from its setpoint.`,

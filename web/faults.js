@@ -4,6 +4,7 @@
 import { parseNumber } from "./dom.js";
 import { button, h, labelled, row, searchBox, textBox, typed } from "./html.js";
 import { line } from "./log.js";
+import { endedBy } from "./status.js";
 
 const MOST = 200; // lines
 const QUIET = ["client", "pace", "mode", "light"];
@@ -34,6 +35,8 @@ export function faults(page) {
   const wrong = inputs.flatMap(({ name, values }) =>
     Object.entries(values).map(([at, value]) => `${name} ${at}: ${value}`)
   );
+  const ended = endedBy(machine, performance.now());
+  if (ended) wrong.push(`no sample since ${ended.t.toFixed(3)} s: ${ended.text}`);
   const since = machine.messages.filter(({ t, kind }) => t >= fault.since && !QUIET.includes(kind))
     .slice(-MOST).reverse();
   const visitor = input => {

@@ -22,7 +22,7 @@ export const textBox = (id, more = {}) => h("input", { type: "text", size: 6, id
 export const tick = (checked, onChange, more = {}) =>
   h("input", { type: "checkbox", checked, onChange, ...more });
 
-/** What the event of an input or a choice has now: on(f) of f(value). */
+/** A handler of events that gives put(value) what an input or a list has now. */
 export const typed = put => (/** @type {any} */ { target }) => put(target.value);
 
 export const searchBox = (id, value, put, more = {}) =>

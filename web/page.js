@@ -174,9 +174,9 @@ export class Page extends Source {
   }
 
   /** {coefficients, warnings} of continuous gains. Rejects with a line for people. */
-  async design(asked, interval_s) {
+  async design(asked, axis) {
     const by = this.machine.hello.server === "page" ? this.machine.link : this.advice;
     if (!by) throw new Error("there is no designer here; set a2 … b0 by number");
-    return by.request("design", { ...asked, interval_s });
+    return by.request("design", { ...asked, interval_s: this.interval_s(axis) });
   }
 }

@@ -92,11 +92,6 @@ export class History {
     }
   }
 
-  /** The numbers of the rows from one on. */
-  rows(from) {
-    return Array.from({ length: this.end - from }, (_, n) => from + n);
-  }
-
   #place(row) {
     const at = row - this.#first;
     return [this.#chunks[Math.floor(at / CHUNK_ROWS)], at % CHUNK_ROWS];

@@ -77,13 +77,18 @@ export function causeOf(events, t) {
 
 const say = (kind, cause, next, more = {}) => ({ kind, cause, next, ...more });
 
+/** The fault about the last sample, while none has come since; now: ms of this page. */
+export function endedBy({ messages, history, paused, heard }, now) {
+  const isLast = ({ kind, t, left }) => kind === "fault" && !left && t >= history.now - NEAR_S;
+  return !paused && now - heard > FROZEN_MS ? messages.find(isLast) : undefined;
+}
+
 /** The banner while no sample comes. */
-function frozenFor(machine, seconds, next) {
-  const { messages, history } = machine;
-  const cause = `No sample for ${seconds.toFixed(0)} s: what is shown stands still.`;
+function frozen(machine, now, next) {
+  const seconds = ((now - machine.heard) / 1000).toFixed(0);
+  const cause = `No sample for ${seconds} s: what is shown stands still.`;
   if (!takesSamples(machine)) return say("bad", cause, next);
-  const ended = ({ kind, t, left }) => kind === "fault" && !left && t >= history.now - NEAR_S;
-  const fault = messages.find(ended); // about the last sample
+  const fault = endedBy(machine, now);
   const busy = "The computer may be too busy, or the server hangs; STOP has a way of its own.";
   if (!fault) return say("bad", cause, busy);
   const before = fault.t - BEFORE_S;
@@ -161,8 +166,7 @@ export function condition(page, now) {
   const offer = controls && driver.params.some((param, n) => isInitial(param) && page.differs(n));
   const next = missing.length ? `Enable lacks ${missing.join("; ")}.`
     : "Enable (E, then Enter) drives and opens the brakes.";
-  const frozen = now - machine.heard;
-  if (!paused && frozen > FROZEN_MS) return frozenFor(machine, frozen / 1000, next);
+  if (!paused && now - machine.heard > FROZEN_MS) return frozen(machine, now, next);
   if (history.value(history.end - 1, history.linesColumn) & LINES.enabled)
     return driving(page, offer);
   if (powerEnd === null) return say("rest", "At rest, brakes on.", next, { offer });

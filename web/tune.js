@@ -82,8 +82,8 @@ export function tuneView(page) {
   function save() {
     const { axis, param: { mode: _, ...numbers } } = state.tuned;
     const lines = Object.entries(numbers).map(([name, value]) => `${name} = ${value}`);
-    const head_ = `[[servo]]\naxis = ${axis}\nmode = "position"\nflags = ["coulcomp"]\n`;
-    download(`axis${axis}.toml`, `${head_}${lines.join("\n")}\n`, "text/plain");
+    const table = `[[servo]]\naxis = ${axis}\nmode = "position"\nflags = ["coulcomp"]\n`;
+    download(`axis${axis}.toml`, `${table}${lines.join("\n")}\n`, "text/plain");
   }
 
   const known = axis => ({ ...motors.get(axis), param: machine.driver.params[axis],
@@ -187,7 +187,8 @@ function figures(measured, predicted) {
 
 /** Times, counts from the old setpoint on, and currents of a step that the driver has taken. */
 function stepRows(history, axis, since, from, size) {
-  const rows = history.rows(history.find(since));
+  const begin = history.find(since);
+  const rows = Array.from({ length: history.end - begin }, (_, n) => begin + n);
   const of = field => rows.map(at => history.value(at, history.column(axis, field)));
   const first = of("setpoint").indexOf(from + size);
   return { t: rows.map(at => history.time(at)).slice(first), u: of("current").slice(first),
