@@ -4,6 +4,7 @@
 #include "cycle.h"
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 
 namespace mmcs {
@@ -13,6 +14,17 @@ constexpr int kLearnedAt = 4;  // sight of a request in the same states: most co
 constexpr int kGivenUp = kLearnedAt + 1;
 
 }  // namespace
+
+bool Flow::operator==(const Flow &other) const {
+  const auto same = [](const auto &a, const auto &b) {
+    return a.size() == b.size() &&
+           (a.empty() || !std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]));
+  };
+  return answered == other.answered && end == other.end && glue == other.glue &&
+         parts == other.parts && same(conditions, other.conditions) && same(rooms, other.rooms) &&
+         same(moves, other.moves) && same(terms, other.terms) && same(sums, other.sums) &&
+         same(events, other.events);
+}
 
 Rack::Cycles::Cycles(Rack &rack)
     : rack_(rack),
@@ -40,22 +52,44 @@ uint64_t Rack::Cycles::states(const Request &request) const {
 }
 
 bool Rack::Cycles::fits(const Trace &trace) const {
-  for (const Trace::Step &s : trace.steps) {
+  for (const Trace::Step &s : trace) {
     s.part->catch_up(rack_.clock_);
     if (s.part->state() != s.from || (s.part->pending_data() & ~s.before) != 0) return false;
   }
-  for (const Trace::Condition &c : trace.conditions) {
+  for (const Flow::Condition &c : trace.flow->conditions) {
     if ((data_[c.place] & c.mask) != c.value) return false;
   }
   return true;
 }
 
 // Whether its counters stay clear of their margin.
-bool Rack::Cycles::has_room(const Trace &trace) const {
-  for (const Trace::Room &r : trace.rooms) {
+bool Rack::Cycles::has_room(const Flow &flow) const {
+  for (const Flow::Room &r : flow.rooms) {
     if (data_[r.place] < r.low || data_[r.place] > r.high) return false;
   }
   return true;
+}
+
+// A trace of this request from the states as they are; null: none is found.
+Trace *Rack::Cycles::learn(const BusRequest &q, uint64_t key) {
+  rack_.glue_stale_ = true;
+  auto trace = std::make_unique<Trace>();
+  auto flow = std::make_unique<Flow>();
+  if (!work_out(q, trace.get(), flow.get())) return nullptr;
+  const auto same = [&flow](const auto &known) { return *known == *flow; };
+  auto known_flow = std::find_if(flows_.begin(), flows_.end(), same);
+  if (known_flow == flows_.end()) known_flow = flows_.insert(known_flow, std::move(flow));
+  trace->flow = known_flow->get();
+  Request &request = requests_[key];
+  for (const Trace::Step &s : *trace) {
+    if (std::count(request.parts.begin(), request.parts.end(), s.part) == 0)
+      request.parts.push_back(s.part);
+  }
+  Known &known = known_[states(request)];
+  trace->next = known.trace;
+  known.trace = trace.get();
+  traces_.push_back(std::move(trace));
+  return known.trace;
 }
 
 Trace *Rack::Cycles::find(const BusRequest &q) {
@@ -63,19 +97,19 @@ Trace *Rack::Cycles::find(const BusRequest &q) {
   data_[request_] = q.data & 0xFFFF;
   Known &known = known_[states(requests_[key])];
   for (Trace *trace = known.trace; trace; trace = trace->next) {
-    if (fits(*trace)) return has_room(*trace) ? trace : nullptr;
+    if (fits(*trace)) return has_room(*trace->flow) ? trace : nullptr;
   }
   if (++known.tries != kLearnedAt) return nullptr;
   known.tries = 0;
   Trace *learned = learn(q, key);
   if (!learned) known_[states(requests_[key])].tries = kGivenUp;
-  return learned && has_room(*learned) ? learned : nullptr;
+  return learned && has_room(*learned->flow) ? learned : nullptr;
 }
 
-void Rack::Cycles::values(const Trace &trace) {
+void Rack::Cycles::values(const Flow &flow) {
   uint32_t *value = values_;
-  const Term *term = trace.terms.data();
-  for (const Trace::Move &m : trace.moves) {
+  const Term *term = flow.terms.data();
+  for (const Flow::Move &m : flow.moves) {
     uint32_t word = (data_[m.to] & m.keep) ^ m.constant;
     for (const Term *last = term + m.terms; term != last; ++term) word ^= term->bits(data_);
     *value++ = word;
@@ -84,10 +118,11 @@ void Rack::Cycles::values(const Trace &trace) {
 
 bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
   Trace *trace = find(q);
-  if (!trace || trace->answered > q.latest + 1) return false;
-  const int64_t end = rack_.clock_ + trace->end;
-  if (q.due <= end) return false;
-  values(*trace);
+  if (!trace) return false;
+  const Flow &flow = *trace->flow;
+  const int64_t end = rack_.clock_ + flow.end;
+  if (flow.answered > q.latest + 1 || q.due <= end) return false;
+  values(flow);
   if (!follow(*trace)) {
     go_back();
     return false;
@@ -97,17 +132,17 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
     check(*trace, q, reply);
     return true;
   }
-  for (size_t n = heard_; n < trace->moves.size(); ++n) data_[trace->moves[n].to] = values_[n];
-  for (const Trace::Sum &s : trace->sums) data_[s.place] = (data_[s.place] + s.by) & s.mask;
-  *reply = {data_[reply_], rack_.clock_ + trace->answered, end};
+  for (size_t n = heard_; n < flow.moves.size(); ++n) data_[flow.moves[n].to] = values_[n];
+  for (const Flow::Sum &s : flow.sums) data_[s.place] = (data_[s.place] + s.by) & s.mask;
+  *reply = {data_[reply_], rack_.clock_ + flow.answered, end};
   rack_.clock_ = end;
   ++rack_.evals_;
-  if (trace->glue) rack_.glue_stale_ = true;
-  for (const Trace::Step &s : trace->steps) {
+  if (flow.glue) rack_.glue_stale_ = true;
+  for (const Trace::Step &s : *trace) {
     s.part->go_to(s.to, s.pending, end, s.transitions);
     rack_.plan(*s.part);
   }
-  for (uint64_t rest = followed_ & ~trace->parts; rest; rest &= rest - 1)
+  for (uint64_t rest = followed_ & ~flow.parts; rest; rest &= rest - 1)
     rack_.plan(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
   rack_.pins_.had_cycle(q.address, q.am, q.data);
   if (rack_.edges_.at <= end) {
@@ -119,22 +154,23 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
 
 // Makes the cycle clock by clock, and compares what becomes of it with the trace.
 void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *reply) {
-  const int64_t answered = rack_.clock_ + trace.answered, end = rack_.clock_ + trace.end;
+  const Flow &flow = *trace.flow;
+  const int64_t answered = rack_.clock_ + flow.answered, end = rack_.clock_ + flow.end;
   std::vector<uint32_t> sums;
-  for (const Trace::Sum &s : trace.sums) sums.push_back((data_[s.place] + s.by) & s.mask);
+  for (const Flow::Sum &s : flow.sums) sums.push_back((data_[s.place] + s.by) & s.mask);
   rack_.keep_caches_ = true;
   *reply = rack_.clock_by_clock(q);
   rack_.keep_caches_ = false;
   bool same = reply->answered == answered && reply->end == end;
-  for (const Trace::Step &s : trace.steps) {
+  for (const Trace::Step &s : trace) {
     s.part->catch_up(end);
     same = same && s.part->state() == s.to;
   }
   data_[reply_] = reply->data;
-  for (size_t n = heard_; n < trace.moves.size(); ++n)
-    same = same && values_[n] == data_[trace.moves[n].to];
+  for (size_t n = heard_; n < flow.moves.size(); ++n)
+    same = same && values_[n] == data_[flow.moves[n].to];
   const uint32_t *sum = sums.data();
-  for (const Trace::Sum &s : trace.sums) same = same && *sum++ == data_[s.place];
+  for (const Flow::Sum &s : flow.sums) same = same && *sum++ == data_[s.place];
   if (!same) throw std::logic_error("a bus cycle as one step differs from its clocks");
 }
 

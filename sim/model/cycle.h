@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole cycles of the VME bus as one step. Terms: docs/simulator/simulator.md.
 //
-//   Trace          a cycle as one step: the states it leads from and to, and what it does to data
+//   Flow           what a cycle does to data
+//   Trace          a cycle as one step: the states it leads from and to, and its flow
 //   Rack::Cycles   all traces of a machine, by request and states (cycle.cpp)
 //   Table          entries by their key
 //   Tracer         works a trace out (cycle_trace.cpp, cycle_words.h, cycle_glue.cpp)
@@ -43,22 +44,14 @@ struct Term {
 struct Word;
 class Words;
 
-struct Trace {
+// What becomes of data, and of parts that only listen; common to traces of many states.
+struct Flow {
   static constexpr size_t kMostMoves = 128;
-
-  struct Step {
-    Part *part;
-    State *from, *to;
-    uint32_t before, pending;  // data outputs that may be pending; that are, by bit
-    uint32_t transitions;
-  };
   struct Condition {
-    Place place;
-    uint32_t mask, value;
+    uint32_t place, mask, value;
   };
   struct Room {  // a counter stays clear of its margin
-    Place place;
-    uint32_t low, high;
+    uint32_t place, low, high;
   };
   struct Move {
     Place to;
@@ -66,28 +59,44 @@ struct Trace {
     uint32_t keep, constant;
   };
   struct Sum {
-    Place place;
-    uint32_t by, mask;
+    uint32_t place, by, mask;
   };
   // Inputs that change after a clock, of a part that only listens: of control, and so many of data.
   struct Event {
     Part *part;
     uint64_t bits, mask;
-    uint16_t clock, moves;
+    uint32_t clock, moves;
   };
   uint16_t answered = 0, end = 0;  // clocks from its begin
-  Trace *next = nullptr;           // from the same states, for other data
   bool glue = false;               // an input of the glue changes
   uint64_t parts = 0;              // of the steps, by bit
-  std::vector<Step> steps;
   std::vector<Condition> conditions;
   std::vector<Room> rooms;
   std::vector<Move> moves;  // those of events first
   std::vector<Term> terms;  // of all moves
   std::vector<Sum> sums;
   std::vector<Event> events;
-  std::vector<std::vector<State *>> states;  // of each step: all that it comes to
-  std::vector<uint64_t> passing;             // of each step: data inputs, then those that are not
+
+  bool operator==(const Flow &other) const;
+};
+
+struct Trace {
+  static constexpr size_t kMostSteps = 4;
+  struct Step {
+    Part *part;
+    State *from, *to;
+    uint32_t before, pending;  // data outputs that may be pending; that are, by bit
+    uint32_t transitions;
+  };
+  size_t count = 0;
+  Step steps[kMostSteps];
+  const Flow *flow = nullptr;
+  Trace *next = nullptr;                    // from the same states, for other data
+  std::vector<State *> states[kMostSteps];  // of each step: all that it comes to
+  uint64_t passing[kMostSteps] = {};        // of each step: data inputs, then those that are not
+
+  const Step *begin() const { return steps; }
+  const Step *end() const { return steps + count; }
 };
 
 // Entries by their key, which is not 0. There is always an empty one.
@@ -134,13 +143,14 @@ class Rack::Cycles {
     bool inverted;
   };
   Trace *find(const BusRequest &request);
+  bool work_out(const BusRequest &request, Trace *trace, Flow *flow);
   Trace *learn(const BusRequest &request, uint64_t key);
   uint64_t states(const Request &request) const;
   bool fits(const Trace &trace) const;
-  bool has_room(const Trace &trace) const;
+  bool has_room(const Flow &flow) const;
   const std::vector<GlueBit> &glue(const std::vector<uint32_t> &inputs, size_t data);
   std::vector<Word> glue_outputs(Words &words);
-  void values(const Trace &trace);
+  void values(const Flow &flow);
   void check(const Trace &trace, const BusRequest &request, BusReply *reply);
   // Parts that have no steps (cycle_follow.cpp).
   bool follow(Trace &trace);
@@ -156,9 +166,10 @@ class Rack::Cycles {
   Table<Request> requests_{1 << 12};
   Table<Known> known_{1 << 14};
   std::vector<std::unique_ptr<Trace>> traces_;
+  std::vector<std::unique_ptr<Flow>> flows_;
   std::map<std::vector<uint32_t>, std::vector<GlueBit>> glue_;  // by its inputs less the data
   std::vector<uint32_t> pending_;  // of each part: data outputs that were pending before a cycle
-  uint32_t values_[Trace::kMostMoves];                   // of the moves of a trace
+  uint32_t values_[Flow::kMostMoves];                    // of the moves of a trace
   std::vector<std::pair<Part *, Part::Moment>> before_;  // of parts that went on
   size_t heard_ = 0;                                     // moves of events
   uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit

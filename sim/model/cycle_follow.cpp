@@ -58,7 +58,7 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
     for (unsigned n = input.fields[axis]; n < input.fields[axis + 1]; ++n) {
       const Arrival &to = input.arrivals[n];
       Part &part = *to.part;
-      const bool is_step = trace.parts >> part.number & 1;
+      const bool is_step = trace.flow->parts >> part.number & 1;
       const int64_t at = is_step ? rack_.clock_ : t;
       if (!go_to(part, at)) return false;
       if (!part.put(to.field, edge.pins >> pin & 1 ? to.mask : 0, to.mask, at)) continue;
@@ -70,7 +70,7 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
         if (!port) continue;
         if (port->wire) return false;
         for (const Link &l : port->links) {
-          if (trace.parts >> l.part->number & 1 || !go_to(*l.part, t)) return false;
+          if (trace.flow->parts >> l.part->number & 1 || !go_to(*l.part, t)) return false;
           moved_ |= uint64_t{1} << l.part->number;
           if (l.part->put(l, part.get(*port), t)) l.part->inputs_changed(t);
           if (l.part->has_pending_outputs()) return false;
@@ -121,16 +121,17 @@ bool Rack::Cycles::passes(Trace &trace, Part &part, int field) {
 // Parts that are not among the steps, but listen, are due, or have encoder edges. False: others
 // would notice.
 bool Rack::Cycles::follow(Trace &trace) {
+  const Flow &flow = *trace.flow;
   const auto &edges = rack_.edges_;
-  const int64_t begin = rack_.clock_, end = begin + trace.end;
+  const int64_t begin = rack_.clock_, end = begin + flow.end;
   before_.clear();
   followed_ = 0;
-  auto event = trace.events.begin();
+  auto event = flow.events.begin();
   heard_ = 0;
   auto edge = edges.all.begin() + static_cast<std::ptrdiff_t>(edges.next);
   for (int64_t last = 0;;) {
     const int64_t edge_at = edge != edges.all.end() ? edge->clock + 1 : kNever;
-    const int64_t event_at = event != trace.events.end() ? begin + event->clock : kNever;
+    const int64_t event_at = event != flow.events.end() ? begin + event->clock : kNever;
     if (std::min(edge_at, event_at) > end) break;
     if (edge_at <= event_at) {
       if (edge_at != last) moved_ = 0;
@@ -144,13 +145,13 @@ bool Rack::Cycles::follow(Trace &trace) {
     if (moved_ >> part.number & 1) return false;  // both at once
     if (!go_to(part, last)) return false;
     bool changed = part.put(kNoField, event->bits, event->mask, last);
-    for (int n = 0; n < event->moves; ++n, ++heard_)
-      changed |= part.put(trace.moves[heard_].to % kMostFields, values_[heard_], ~0u, last);
+    for (uint32_t n = 0; n < event->moves; ++n, ++heard_)
+      changed |= part.put(flow.moves[heard_].to % kMostFields, values_[heard_], ~0u, last);
     ++event;
     if (changed) part.inputs_changed(last);
     if (part.has_pending_outputs()) return false;
   }
-  const uint64_t others = (followed_ | rack_.schedule_.due(end)) & ~trace.parts;
+  const uint64_t others = (followed_ | rack_.schedule_.due(end)) & ~trace.flow->parts;
   for (uint64_t rest = others; rest; rest &= rest - 1) {
     if (!go_to(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(rest))], end)) return false;
   }

@@ -23,7 +23,7 @@ class Rack::Cycles::Tracer {
   }
 
   // The address; a clock later the strobes, until DTACK* is low; then all is released.
-  Trace work_out(const BusRequest &q) {
+  void work_out(const BusRequest &q) {
     constexpr Word low = {}, high = {~0u, 0, {}};
     clock([&] {
       pin(kVmeA, Word::of(q.address >> 1 & 0x7FFF));
@@ -39,7 +39,7 @@ class Rack::Cycles::Tracer {
       pin(kVmeDs, Word::of(~q.ds & 3));
     });
     while (dtack() != 0) clock([] {});
-    trace_.answered = static_cast<uint16_t>(clocks_);
+    flow.answered = static_cast<uint16_t>(clocks_);
     sample();
     clock([&] {
       for (Port port : {kVmeAs, kVmeDs, kVmeIack, kVmeIackin, kVmeWrite, kVmeLword})
@@ -48,10 +48,12 @@ class Rack::Cycles::Tracer {
     while (dtack() == 0) clock([] {});
     clock([] {});
     if (selected_ || command_) throw NoTrace{};
-    trace_.end = static_cast<uint16_t>(clocks_);
+    flow.end = static_cast<uint16_t>(clocks_);
     finish();
-    return Trace(trace_);
   }
+
+  Trace trace;
+  Flow flow;
 
  private:
   static constexpr int kMostClocks = 64, kMostRounds = 1000;
@@ -136,7 +138,7 @@ class Rack::Cycles::Tracer {
   // As it is made again, if the part only listens.
   void note_event(size_t n) {
     Now &p = now_[n];
-    const auto clock = static_cast<uint16_t>(clocks_);
+    const auto clock = static_cast<uint32_t>(clocks_);
     Heard heard{{r_.parts_[n].get(), p.inputs, p.inputs ^ p.seen, clock, 0}, {}};
     p.seen = p.inputs;
     for (uint32_t rest = p.changed; rest; rest &= rest - 1) {
@@ -195,7 +197,7 @@ class Rack::Cycles::Tracer {
   }
   void drive_net(const Wire &w) {
     if (!put_net(w.net, w.lsb, w.width, output(*w.part, *w.port))) return;
-    if (w.glue) glue_changed_ = trace_.glue = true;
+    if (w.glue) glue_changed_ = flow.glue = true;
   }
   void send(const Part &part, const PartPort &port) {
     now_[part.number].sends = true;
@@ -313,16 +315,17 @@ class Rack::Cycles::Tracer {
       if (!p.sends) continue;
       Part &part = *r_.parts_[n];
       if (p.inputs != p.state->inputs) throw NoTrace{};
-      trace_.parts |= uint64_t{1} << n;
-      trace_.steps.push_back({&part, part.state(), p.state, c_.pending_[n], p.pending,
-                              static_cast<uint32_t>(p.states.size() - 1)});
-      trace_.states.push_back(p.states);
+      flow.parts |= uint64_t{1} << n;
+      if (trace.count == Trace::kMostSteps) throw NoTrace{};
+      trace.states[trace.count] = p.states;
+      trace.steps[trace.count++] = {&part,     part.state(),
+                                    p.state,   c_.pending_[n],
+                                    p.pending, static_cast<uint32_t>(p.states.size() - 1)};
     }
-    trace_.passing.resize(trace_.steps.size());
     for (const Heard &heard : heard_) {
       if (now_[heard.event.part->number].sends) continue;
-      trace_.events.push_back(heard.event);
-      trace_.events.back().moves = static_cast<uint16_t>(heard.data.size());
+      flow.events.push_back(heard.event);
+      flow.events.back().moves = static_cast<uint32_t>(heard.data.size());
       for (const auto &[at, word] : heard.data) add_move(at, word);
     }
     for (const auto &[at, entry] : words_.all()) {
@@ -330,38 +333,37 @@ class Rack::Cycles::Tracer {
       if (!(entry.word == words_.own(at))) add_move(at, entry.word);
       if (entry.by) add_sum(at, entry);
     }
-    if (trace_.moves.size() > Trace::kMostMoves) throw NoTrace{};
-    trace_.conditions = words_.conditions;
+    if (flow.moves.size() > Flow::kMostMoves) throw NoTrace{};
+    flow.conditions = words_.conditions;
   }
   void add_sum(size_t at, const Words::Entry &sum) {
-    trace_.sums.push_back({static_cast<Place>(at), sum.by, sum.mask});
+    flow.sums.push_back({static_cast<Place>(at), sum.by, sum.mask});
     const int margin = r_.parts_[at / kMostFields]->cache->fields()[at % kMostFields].margin;
     if (margin < 0) return;
     const uint32_t slack = static_cast<uint32_t>(2 * clocks_ + 4);
-    trace_.rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(margin) + slack,
-                            sum.mask - std::min(sum.mask, slack)});
+    flow.rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(margin) + slack,
+                          sum.mask - std::min(sum.mask, slack)});
   }
   void add_move(size_t at, const Word &word) {
-    Trace::Move move{static_cast<Place>(at), 0, 0, word.constant};
+    Flow::Move move{static_cast<Place>(at), 0, 0, word.constant};
     for (const Term &t : word) {
       if (t.place == at && t.left == 0) {
         move.keep = t.mask;
         continue;
       }
       if (t.place < kFirstNet && !now_[t.place / kMostFields].sends) throw NoTrace{};
-      trace_.terms.push_back(t);
+      flow.terms.push_back(t);
       ++move.terms;
     }
-    trace_.moves.push_back(move);
+    flow.moves.push_back(move);
   }
 
   Cycles &c_;
   Rack &r_;
   Words words_;
-  Trace trace_;
   std::vector<Now> now_;  // of each part
   struct Heard {
-    Trace::Event event;
+    Flow::Event event;
     std::vector<std::pair<size_t, Word>> data;
   };
   std::vector<Heard> heard_;
@@ -373,24 +375,17 @@ class Rack::Cycles::Tracer {
   uint32_t selected_ = 0;  // cards, by bit
 };
 
-// A trace of this request from the states as they are; null: none is found.
-Trace *Rack::Cycles::learn(const BusRequest &q, uint64_t key) {
-  rack_.glue_stale_ = true;
+// False: it finds none.
+bool Rack::Cycles::work_out(const BusRequest &q, Trace *trace, Flow *flow) {
   try {
-    // copied: into as much memory as it needs, in one piece as a rule
-    traces_.push_back(std::make_unique<Trace>(Tracer(*this).work_out(q)));
+    Tracer tracer(*this);
+    tracer.work_out(q);
+    *trace = tracer.trace;
+    *flow = tracer.flow;
+    return true;
   } catch (const NoTrace &) {
-    return nullptr;
+    return false;
   }
-  Trace *const trace = traces_.back().get();
-  Request &request = requests_[key];
-  for (const Trace::Step &s : trace->steps) {
-    if (std::count(request.parts.begin(), request.parts.end(), s.part) == 0)
-      request.parts.push_back(s.part);
-  }
-  Known &known = known_[states(request)];
-  trace->next = known.trace;
-  return known.trace = trace;
 }
 
 }  // namespace mmcs
