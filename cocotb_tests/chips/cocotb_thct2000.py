@@ -124,26 +124,6 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
         turn(7) settle() step(5, m=0) count(7, 'mode 0') settle() step(5, m=1) count(7, 'mode 1')
         settle() step(5, m=2) count(7, 'mode 2') settle() step(5, m=3) count(7, 'mode 3')
         settle() step(5, m=4) count(7, 'mode 4') settle() step(5, m=5) count(7, 'mode 5')"""
-
-    def counts_on_its_clock_only(s):
-        """Slower CLK: the inputs are looked at on its ticks."""
-        s.step(20, clk_en=0, a=1)
-        s.expect("no tick, no count", count=0)
-        s.phase = 1
-        for _ in range(4):
-            s.step(clk_en=1)
-            s.step(3, clk_en=0)
-        s.expect(count=1)
-        s.turn(0)
-        for _ in range(8):
-            s.turn(1, clocks=3)
-            s.step(clk_en=1)
-            s.step(clk_en=0)
-        for _ in range(4):
-            s.step(clk_en=1)
-            s.step(clk_en=0)
-        s.expect(count=9)
-
     reset_clears = """
         init(0x1234) latch() step(4, reset=1) expect(count=0) step(2, reset=0) turn(2) settle()
         value(2, 'the latch flag is gone too')"""
@@ -185,39 +165,6 @@ async def a_count_between_two_written_bytes_does_not_tear_them(dut):
         s.write(1 - first, value >> 8 if first else value & 0xFF)
         s.expect("both as written", count=value)
         await s.run(dut)
-
-
-@test("ENC-2")
-async def a_byte_written_leaves_the_other_one_counting(dut):
-    """On the very clock of a carry the other byte counts on by itself."""
-    for gap in range(8):
-        s = Encoder()
-        s.init(0x10FF)
-        s.other()
-        s.step(2, cs_n=0, wr_n=0, rs=MSB, d=0x20)
-        s.step(max(gap, 1), a=int(gap > 0))
-        s.step(4, cs_n=1, wr_n=1, rs=LSB, a=1, d=0)
-        s.settle()
-        s.expect(f"edge {gap} clocks before", count=0x2000 if gap > 1 else 0x2100)
-        await s.run(dut)
-
-
-@test("ENC-2")
-async def a_stray_byte_written_shifts_no_later_pair(dut):
-    for stray in (MSB, LSB):
-        for first in (MSB, LSB):
-            for between in (True, False):
-                s = Encoder()
-                s.write(stray, 0x44)
-                if between:
-                    s.other()
-                s.init(0x2345, first=first)
-                s.expect(f"stray {stray}, first {first}", count=0x2345)
-                s.turn(1)
-                s.settle()
-                s.init(0x6789, first=first)
-                s.expect(count=0x6789)
-                await s.run(dut)
 
 
 @test("ENC-2")
@@ -361,18 +308,6 @@ async def latch_takes_the_count_of_its_clock(dut):
         s.step(latch=0)
         s.settle()
         s.value(0 if delay < 2 else 1, f"latch {delay + 1} clocks after the edge")
-        await s.run(dut)
-
-
-@test("ENC-1")
-async def reset_with_steady_inputs_counts_nothing(dut):
-    for phase in range(4):
-        s = Encoder()
-        s.turn(phase)
-        s.settle()
-        s.step(6, reset=1)
-        s.step(6, reset=0)
-        s.count(0, f"A, B = {GREY[phase]}")
         await s.run(dut)
 
 
