@@ -157,6 +157,7 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
   const Flow &flow = *trace.flow;
   const int64_t answered = rack_.clock_ + flow.answered, end = rack_.clock_ + flow.end;
   std::vector<uint32_t> sums;
+  sums.reserve(flow.sums.size());
   for (const Flow::Sum &s : flow.sums) sums.push_back((data_[s.place] + s.by) & s.mask);
   rack_.keep_caches_ = true;
   *reply = rack_.clock_by_clock(q);

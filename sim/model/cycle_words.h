@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <vector>
 
@@ -13,7 +14,7 @@
 
 namespace mmcs {
 
-struct NoTrace {};  // is thrown
+struct NoTrace : std::exception {};  // is thrown
 
 inline uint32_t rotated(uint32_t word, unsigned left) {
   return word << (left & 31) | word >> (-left & 31);
@@ -83,16 +84,16 @@ class Words {
   // Bits of a net that begins at this place.
   Word bits(size_t place, int lsb, int width) {
     place += static_cast<size_t>(lsb / 32);
-    const int shift = lsb % 32;
+    const int shift = lsb & 31;
     Word found = word(place).moved(-shift, low_bits(std::min(width, 32 - shift)));
-    if (shift + width > 32)
-      found.add(
-          word(place + 1).moved(32 - shift, low_bits(width) << (32 - shift) & low_bits(width)));
+    if (shift == 0 || shift + width <= 32) return found;
+    const uint32_t rest = low_bits(width) << (32 - shift) & low_bits(width);
+    found.add(word(place + 1).moved(32 - shift, rest));
     return found;
   }
   void put_bits(size_t place, int lsb, int width, const Word &value) {
     place += static_cast<size_t>(lsb / 32);
-    const int shift = lsb % 32;
+    const int shift = lsb & 31;
     put(place, value.moved(shift, low_bits(width) << shift), low_bits(width) << shift);
     if (shift + width <= 32) return;
     const uint32_t rest = low_bits(shift + width - 32);
