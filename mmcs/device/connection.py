@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One accepted socket of the server: an open device or a channel, a client of the messages, or one
-of the stop path."""
+"""An accepted socket: an open device, a channel, a client of the messages, one of the stop path."""
 
 import contextlib
 import select

@@ -30,8 +30,7 @@ STOPS = 64  # connections of the stop path beyond them
 SPARE_DESCRIPTORS = 120  # for those, and everything else that the process opens
 TURNS = 64  # of lock-step between looks at everything else
 NO_SAMPLE_S = 2.5  # of the machine, until the wait for a sample fails
-# Simulated time between looks at the sockets: short while somebody talks or has been signalled, so
-# that a free-running machine does not run away from its programs; it doubles up to the longest.
+# Simulated time between looks at the sockets: short while somebody talks, doubling to the longest.
 CHUNK_MIN_S, CHUNK_MAX_S = 50e-6, 2e-3
 IDLE_S = 0.1  # longest sleep: signals are seen this often
 BEHIND_S = 0.02  # jitter of the computer; what is lost beyond it is not made up
@@ -258,11 +257,14 @@ class Server:
             sock, address = door.accept()
         except OSError:
             return False
-        there = len(self.connections) + self.lockstep.now.lines
-        most = self.most + STOPS if kind is Stop else self.most
-        if there >= most or peer(sock)[1] != os.geteuid():
+        stops = [c for c in self.connections.values() if isinstance(c, Stop)]
+        others = len(self.connections) - len(stops) + self.lockstep.now.lines
+        if (others >= self.most and kind is not Stop) or peer(sock)[1] != os.geteuid():
             sock.close()
             return True
+        if kind is Stop and len(stops) >= STOPS:  # the oldest may be idle; what it has sent counts
+            stops[0].receive()
+            self._hang_up(stops[0])
         # what it asks is heard together with the ends that came before it
         self.connections[sock.fileno()] = kind(sock, address, self)
         return True
