@@ -13,6 +13,11 @@ namespace {
 constexpr int kLearnedAt = 4;  // sight of a request in the same states: most come once only
 constexpr int kGivenUp = kLearnedAt + 1;
 
+bool alike(const Part::Moment &a, const Part::Moment &b) {
+  return a.state == b.state && a.control == b.control &&
+         std::equal(a.fields, a.fields + kMostFields, b.fields);
+}
+
 }  // namespace
 
 bool Flow::operator==(const Flow &other) const {
@@ -128,6 +133,11 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
     return false;
   }
   if (rack_.check_ && ++hits_ % static_cast<unsigned>(rack_.check_) == 0) {
+    after_.clear();
+    for (const auto &[part, moment] : before_) {
+      part->catch_up(end);
+      after_.push_back(part->moment());
+    }
     go_back();
     check(*trace, q, reply);
     return true;
@@ -166,6 +176,11 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
   for (const Trace::Step &s : trace) {
     s.part->catch_up(end);
     same = same && s.part->state() == s.to;
+  }
+  for (size_t n = 0; n < before_.size(); ++n) {
+    Part &part = *before_[n].first;
+    part.catch_up(end);
+    same = same && (flow.parts >> part.number & 1 || alike(part.moment(), after_[n]));
   }
   data_[reply_] = reply->data;
   for (size_t n = heard_; n < flow.moves.size(); ++n)

@@ -171,6 +171,7 @@ class Rack::Cycles {
   std::vector<uint32_t> pending_;  // of each part: data outputs that were pending before a cycle
   uint32_t values_[Flow::kMostMoves];                    // of the moves of a trace
   std::vector<std::pair<Part *, Part::Moment>> before_;  // of parts that went on
+  std::vector<Part::Moment> after_;                      // the same, for check()
   size_t heard_ = 0;                                     // moves of events
   uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit
   unsigned hits_ = 0;

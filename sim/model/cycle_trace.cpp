@@ -17,7 +17,7 @@ class Rack::Cycles::Tracer {
       if (!part->state()) throw NoTrace{};
       uint32_t &pending = c_.pending_[part->number] |= part->pending_data();
       const uint64_t inputs = part->inputs();
-      now_.push_back({part->state(), inputs, inputs, part->state()->outputs, pending});
+      now_.push_back({part->state(), inputs, part->state()->outputs, pending});
       now_.back().states = {part->state()};
     }
   }
@@ -59,12 +59,13 @@ class Rack::Cycles::Tracer {
   static constexpr int kMostClocks = 64, kMostRounds = 1000;
   struct Now {  // a part
     State *state;
-    uint64_t inputs, seen, sent;  // of control: inputs, as they are and were; outputs
-    uint32_t pending;             // data outputs, by bit
-    uint32_t changed = 0;         // data inputs, by bit
-    bool active = false;          // it gets every clock
+    uint64_t inputs, sent;  // of control: inputs, outputs
+    uint32_t pending;       // data outputs, by bit
+    uint32_t changed = 0;   // data inputs, by bit
+    bool active = false;    // it gets every clock
     bool sends = false;
     std::vector<State *> states{};  // all that it was in
+    uint64_t put = 0;               // control inputs that the cycle drives, changed or not
   };
   static size_t place(size_t part, int field) {
     return part * kMostFields + static_cast<size_t>(field);
@@ -139,8 +140,7 @@ class Rack::Cycles::Tracer {
   void note_event(size_t n) {
     Now &p = now_[n];
     const auto clock = static_cast<uint32_t>(clocks_);
-    Heard heard{{r_.parts_[n].get(), p.inputs, p.inputs ^ p.seen, clock, 0}, {}};
-    p.seen = p.inputs;
+    Heard heard{{r_.parts_[n].get(), p.inputs, p.put, clock, 0}, {}};
     for (uint32_t rest = p.changed; rest; rest &= rest - 1) {
       const size_t at = place(n, __builtin_ctz(rest));
       heard.data.emplace_back(at, words_.word(at));
@@ -159,10 +159,16 @@ class Rack::Cycles::Tracer {
     changed_ |= uint64_t{1} << n;
   }
   void put(size_t n, uint64_t bits, uint64_t mask) {
-    const uint64_t inputs = (now_[n].inputs & ~mask) | (bits & mask);
-    if (inputs == now_[n].inputs) return;
+    Now &p = now_[n];
+    const uint64_t inputs = (p.inputs & ~mask) | (bits & mask), anew = mask & ~p.put;
+    p.put |= mask;
+    if (inputs == p.inputs) {  // of a part that only listens: it may have been another before
+      const auto clock = static_cast<uint32_t>(clocks_);
+      if (anew) heard_.push_back({{r_.parts_[n].get(), inputs, anew, clock, 0}, {}});
+      return;
+    }
     activate(n);
-    now_[n].inputs = inputs;
+    p.inputs = inputs;
     changed_ |= uint64_t{1} << n;
   }
   void put(const Part &part, int field, int shift, uint64_t mask, const Word &value, int width) {
