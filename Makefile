@@ -34,7 +34,7 @@ help-all:
 
 # --- what the targets stand on -------------------------------------------------------------
 
-# FETCH WHAT COMMAND: an installer, with progress, pip's settings, and a remedy when it fails.
+# FETCH WHAT COMMAND: an installer, with pip's settings.
 FETCH = $(BIN)/python tools/fetch.py
 # INSTALL: what, its requirements, our own packages. Nothing comes that requirements.lock has no hash of; what
 # builds a package is of the lock, too; typing is a backport that a package names. Bytecode is compiled now: where
@@ -94,9 +94,6 @@ $(VENV)/.fpga: $(VENV)/.test fpga/pyproject.toml
 installed: $(addprefix $(VENV)/.,lint formal hosts tool-test docs fmu) $(BRIDGES)
 
 # --- the main job --------------------------------------------------------------------------
-
-# Installing and building count into the time to first motion.
-export MMCS_STARTED := $(shell date +%s.%N)
 
 sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
 	@$(BIN)/mmcs run "$(SCENARIO)"
