@@ -6,7 +6,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -25,8 +24,6 @@ from mmcs.cli.view import compare, faults
 from mmcs.errors import InputError, RunError, out_of_memory
 from mmcs.place import BUILD, results
 from mmcs.screen import echo
-
-STARTED = time.time()
 
 LONGEST = 200  # letters of a word in a message
 GROUPS = {
@@ -205,8 +202,7 @@ def _check_robot(name: str, sets: tuple[str, ...]) -> None:
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 @click.option("--card", "cards", multiple=True, metavar="FILE.sv", help="Add a card of one's own.")
 @click.option("--bus", is_flag=True, help="Write bus.csv, the cycles of the VME bus.")
-@click.option("-v", "verbose", is_flag=True, help="Also the cache's hits, and how soon it moved.")
-def run(scenario, duration, out, host, trace, realtime, seed, sets, cards, bus, verbose) -> None:
+def run(scenario, duration, out, host, trace, realtime, seed, sets, cards, bus) -> None:
     """Run a scenario and judge it: status 0 done, 1 an expectation failed, 2 bad input."""
     from mmcs.engine import hosts
 
@@ -224,9 +220,7 @@ def run(scenario, duration, out, host, trace, realtime, seed, sets, cards, bus, 
     name = setup.name if host == "native" else f"{setup.name}-{host}"
     folder = out or results("runs", setup.path) / name
     carry_out = partial(simulate, trace=trace, realtime=realtime, host=host, bus=bus)
-    good = run_scenario(
-        setup, folder, trace=trace, host=host, started=STARTED, carry_out=carry_out, verbose=verbose
-    )
+    good = run_scenario(setup, folder, trace=trace, host=host, carry_out=carry_out)
     sys.exit(0 if good else 1)
 
 

@@ -115,7 +115,7 @@ def write_log(result, folder: Path) -> int:
     return crc
 
 
-def print_report(report: dict, result, say, verbose: bool = False) -> None:
+def print_report(report: dict, result, say) -> None:
     """say(text): a line, or several."""
     from mmcs.screen import shown, table
 
@@ -158,7 +158,3 @@ def print_report(report: dict, result, say, verbose: bool = False) -> None:
         f"simulated {report['simulated_s']:.3f} s in {report['wall_s']:.2f} s: "
         f"real-time factor {report['rtf']:.2f}"
     )
-    cache = report["cache"]
-    if verbose and (steps := cache["hits"] + cache["misses"]):
-        say(f"model's cache: {100 * cache['hits'] / steps:.2f} % hits, "
-                      f"{cache['misses']} misses, {cache['bytes'] / 1e6:.1f} MB")  # fmt: skip

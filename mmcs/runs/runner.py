@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mmcs run`: library, session, progress, results."""
 
-import contextlib
 import math
-import os
 import shlex
 from dataclasses import replace
 from functools import partial
@@ -14,23 +12,19 @@ from mmcs.scenario.compiled import absolute, inline
 from mmcs.scenario.load import setup_of
 from mmcs.scenario.setup import Setup
 
-A_DAY_S = 86400.0  # make has not begun longer ago
-
 
 def run_scenario(
     setup: Setup,
     folder: Path,
     trace: Path | None = None,
     host: str = "native",
-    started: float | None = None,
     carry_out=None,
     stderr: bool = False,
-    verbose: bool = False,
 ) -> bool:
     """Runs, writes folder and prints the table; True when every expectation held.
 
     carry_out: what makes a result of the setup, when not simulate(), on this host, with this trace.
-    stderr: prints there. verbose: also what the model's cache did, and the time to first motion.
+    stderr: prints there.
     """
     from mmcs.folder import RESULTS, check_file, check_folder, writing
     from mmcs.runs import record as records
@@ -53,14 +47,7 @@ def run_scenario(
         write_plot(result, stage / "plot.svg")
         records.write_record(records.make_record(result, host), stage)
     say = partial(echo, err=stderr)
-    reports.print_report(report, result, say, verbose)
-    if verbose and result.first_motion_wall and started:
-        # The Makefile passes the moment it started, so that installation and build count.
-        told = 0.0
-        with contextlib.suppress(KeyError, ValueError):
-            told = float(os.environ["MMCS_STARTED"])
-        began = told if started - A_DAY_S < told <= started else started
-        say(f"time to first motion {result.first_motion_wall - began:.1f} s")
+    reports.print_report(report, result, say)
     files = [f"{short(file)}" for file in (folder / "plot.svg", *([trace] if trace else []))]
     say(", ".join([f"results in {short(folder)}", *files]))
     if result.hash and not stderr:

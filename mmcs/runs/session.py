@@ -34,7 +34,6 @@ class Result:
     wall_s: float
     simulated_s: float
     motion_start_s: float
-    first_motion_wall: float | None  # time.time() when the first axis had moved
     clk_hz: int
     cycles: int
     witnesses: list[dict] = field(default_factory=list)  # physics at the end of motion, per axis
@@ -65,7 +64,6 @@ class Session:
 
     def __init__(self, sim, setup: Setup, realtime: bool = False, bus: bool = False):
         self.sim, self.setup, self.realtime = sim, setup, realtime
-        self.first_motion_wall: float | None = None
         self.start = 0.0
         self.pots: dict[int, tuple[int, int]] = {}
         self.at_start: list[tuple[str, int]] = []  # what the driver refused
@@ -116,7 +114,6 @@ class Session:
             wall_s=time.perf_counter() - began,
             simulated_s=sim.time,
             motion_start_s=self.start,
-            first_motion_wall=self.first_motion_wall,
             clk_hz=sim.build()["clk_hz"],
             cycles=int(stats["cycles"]),
             witnesses=witnesses,
@@ -204,8 +201,6 @@ class Session:
 
     def _move(self, duration: float, progress: Callable[[float], None]) -> bool:
         """Runs the motion from look to look; False when an assertion of the model failed."""
-        sim = self.sim
-        rest = [sim.true(axis)["count"] for axis in range(self.setup.axes)]
         began = time.perf_counter()
         step = WATCH_S if self.setup.scenario.event else CHUNK_S
         looks, look = max(1, round(duration / step)), 0
@@ -216,10 +211,6 @@ class Session:
                 return False
             look += 1
             self._watch(next_look)
-            if self.first_motion_wall is None and any(
-                sim.true(axis)["count"] != count for axis, count in enumerate(rest)
-            ):
-                self.first_motion_wall = time.time()
             if self.realtime:
                 time.sleep(max(0.0, began + next_look - time.perf_counter()))
             progress(next_look)
