@@ -111,6 +111,14 @@ TEST(test_state_is_known_from_the_open_on, "DRV-2 DRV-4 DRV-10") {
     m.card[axis / 2].adc[axis & 1] = (uint16_t)(700 + axis);
   }
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  int64_t converted = m.card[0].adc_until;
+  for (int dead = 0; dead < 2; dead++) { /* no conversion ends, or the adaptor does not answer */
+    m.card[0].adc_until = m.card[1].adc_until = dead ? converted : INT64_MAX;
+    m.adaptor_dead = dead;
+    CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
+    for (int axis = 0; axis < 4; axis++) CHECK_EQ(state[axis].adcvai, 0);
+  }
+  m.adaptor_dead = 0;
   CHECK_EQ(mc_read(mc, 0, state, sizeof state), (int)sizeof state);
   CHECK_EQ(mc_stats_of(mc)->total, 0); /* no sample yet */
   for (int axis = 0; axis < 4; axis++) {
@@ -249,11 +257,18 @@ TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   for (int axis = 0; axis < 2; axis++) {
     CHECK_EQ(mc_state_of(mc, axis)->encnow, 100002 + axis + (axis == 0 ? 30000 : 0));
   }
-  CHECK_EQ(mc_close(mc, 0), 0);
-  m.card[1].a = m.card[1].b = 0; /* lost its power: nobody knows */
-  m.card[1].count[0] = 7;
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
+  for (int reset = 0; reset < 2; reset++) { /* its encoders were cut off, or all: nobody knows */
+    CHECK_EQ(mc_close(mc, 0), 0);
+    if (reset) m.card[1].a = 0;
+    m.card[1].b = 0;
+    m.card[1].count[0] = 7;
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+    CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
+    for (int i = 1; i <= 4; i++) {
+      m.card[1].count[0] = (uint16_t)(20000 * i);
+      mock_run(&m, 2000);
+    }
+  }
 }
 
 /* The first writer after there was none starts afresh; counts go on. */
