@@ -127,7 +127,7 @@ test-icarus: $(VENV)/.test #: the cocotb regression on Icarus, with random runs 
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --share --sim icarus --seed $(SEED) cocotb_tests
 
-bench: $(VENV)/.test #: how fast it is, beside other simulators of its RTL, into docs/evidence/bench.md
+bench: $(VENV)/.test #: how fast it is, beside Verilator with its RTL, into docs/evidence/bench.md
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench
 
