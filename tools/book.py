@@ -24,7 +24,6 @@ DOCS = ROOT / "docs"
 STAGE = BUILD / "book"
 BOOK = BUILD / "docs"
 API = "api.md"
-LONG = 3000  # words: a page above is named
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LIVE = re.compile(r"<!-- live: (\w+) -->")
 LANGUAGES = {".sv": "systemverilog", ".svh": "systemverilog", ".py": "python", ".c": "c", ".h": "c",
@@ -86,7 +85,6 @@ def main() -> None:
     write_api(source / API)
     (STAGE / "mkdocs.yml").write_text(link + CONFIG + nav())
     build()
-    print(f"docs: {words(source)}")
     print(f"docs: {told_age()}")
 
 
@@ -104,19 +102,6 @@ def write_api(page: Path) -> None:
             about = inspect.getdoc(what) or ""
             lines += ["~~~python", f"{called}{inspect.signature(what)}", "~~~", "", about, ""]
     page.write_text("\n".join(lines) + "\n")
-
-
-def words(source: Path) -> str:
-    """How much there is to read: chapters and the READMEs, sheets and lists that they include."""
-    counts = {}
-    for page in source.rglob("*.md"):
-        name = str(page.relative_to(source))
-        text = page.read_text()
-        if name != API and "\n~~~~~~" not in text:  # a file of the sources as it is
-            text = re.sub(r"<!--.*?-->|\]\([^)]*\)|<[^>]+>", " ", text, flags=re.S)
-            counts[name] = len([word for word in text.split() if re.search(r"\w", word)])
-    told = "".join(f"; {name} has {n:,}" for name, n in counts.items() if n > LONG)
-    return f"{sum(counts.values()):,} words in {len(counts)} pages{told}"
 
 
 def chapter(text: str, original: Path, wanted: set[Path]) -> str:
