@@ -151,7 +151,7 @@ def show(scenario: str, sets: tuple[str, ...]) -> None:
 def check(scenario: str, sets: tuple[str, ...]) -> None:
     """Explain every mistake in a scenario and its robot file, or in a robot file alone."""
     from mmcs.runs.machine import card_of
-    from mmcs.scenario.describe import cautions, foreign_expectations
+    from mmcs.scenario.describe import cautions
     from mmcs.scenario.files import is_robot
     from mmcs.scenario.load import load
 
@@ -162,7 +162,7 @@ def check(scenario: str, sets: tuple[str, ...]) -> None:
     with _every_mistake():
         setup = load(scenario, sets)
     card_of(setup)  # its mistakes
-    for text in cautions(setup) + foreign_expectations(setup):
+    for text in cautions(setup):
         echo(f"caution: {text}")
     echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")
 

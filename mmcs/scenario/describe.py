@@ -3,7 +3,6 @@
 
 from mmcs.errors import toml
 from mmcs.scenario.arm import has_mass_distribution
-from mmcs.scenario.files import read_scenario
 from mmcs.scenario.setup import SERVO_DEFAULTS, Setup
 
 LEAST_PHASE_DEG = 20
@@ -94,18 +93,6 @@ def cautions(setup: Setup) -> list[str]:
         if axis not in used and setup.scenario.motion and setup.params[axis]["mode"] != "off":
             out.append(f"axis {axis}: no motion, it holds its position")
     return out
-
-
-def foreign_expectations(setup: Setup) -> list[str]:
-    """A sentence for a file with motions of its own that takes its expectations from another."""
-    origins = read_scenario(setup.path)[1]
-    scenario = setup.scenario
-    if "expect" not in origins or "motion" in origins or not (scenario.motion and scenario.expect):
-        return []
-    return [
-        f"its motions are its own, its expectations ({len(scenario.expect)}) those of "
-        f"{origins['expect'].stem}: give [[expect]]s, or `expect = []`"
-    ]
 
 
 def poor_gains(setup: Setup) -> dict[int, str]:

@@ -98,14 +98,3 @@ def test_names_are_unique_and_no_file_is_outside_a_folder():
     files = [path.stem for path in SCENARIOS.rglob("*.toml") if path != FAULTS]
     assert sorted([*files, *read_toml(FAULTS)]) == scenario_names()
     assert not list(SCENARIOS.glob("*.toml"))
-
-
-def test_expectations_of_other_motions_are_cautioned(mmcs, tmp_path):
-    mine = 'description = "Mine"\nextends = "lab500"\n'
-    write(
-        tmp_path, own=mine + STEP.format(9), same=mine, none=mine + "expect = []\n" + STEP.format(9)
-    )
-    said = {name: mmcs("check", tmp_path / f"{name}.toml")[1] for name in ("own", "same", "none")}
-    assert "caution: its motions are its own, its expectations (" in said["own"]
-    assert "those of lab500: give [[expect]]s" in said["own"]
-    assert "caution" not in said["same"] + said["none"]

@@ -12,7 +12,6 @@ import math
 import os
 import shutil
 import subprocess
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -32,11 +31,10 @@ NAMED, CURVE, ROOM = 0x2000, 0x8000, "20000"  # a table of names; drawn in steps
 CURVE_LINES = 3
 PIXELS, FRAME = 900, 200  # across which the servo pass is spread; GTKWave's zoom counts frames
 MARKERS = ("SCLOCK", "acknowledge", "first read", "last D/A write")
-EVENTS = ("missed", "PANIC")  # the names of the markers behind those
+EVENTS = ("missed", "PANIC")  # what the markers behind those are at
 ALONE_PS = 1_000_000_000  # shown around an event, in a trace without a whole pass
-SHORT, LETTERS = ("SCLOCK", "ack", "read", "write"), tuple("ABCDEF")  # where names have less room
+LETTERS = "ABCDEF"
 LEGEND = ", ".join(" ".join(pair) for pair in zip(LETTERS, MARKERS + EVENTS, strict=True))
-NAME_PIXELS = 6  # of a letter of a marker's name
 
 
 class Signal(NamedTuple):
@@ -182,12 +180,6 @@ def _gtkwave(trace: Path, names: Path, seen: Pass | None, events: tuple) -> str:
         times = [*(seen or [-1] * len(MARKERS)), *(-1 if at is None else at for at in events)]
         times += [-1] * (26 - len(times))
         lines += [f"[timestart] {max(0, begin)}", f"*{zoom:.6f} -1 {' '.join(map(str, times))}"]
-        named = (*(marker_names(seen) if seen else MARKERS), *EVENTS)
-        lines += [
-            f"[markername] {letter}{name}"
-            for letter, name, at in zip(LETTERS, named, times, strict=False)
-            if at >= 0
-        ]
         lines += ["@200", f"-{LEGEND}"]
     lines += ["[sst_expanded] 1"]
     for name, signals in GROUPS.items():
@@ -196,16 +188,6 @@ def _gtkwave(trace: Path, names: Path, seen: Pass | None, events: tuple) -> str:
             lines += signal.lines(names, tables)
         lines += [f"@{GROUP_END}", f"-{name}"]
     return "\n".join(lines) + "\n"
-
-
-def marker_names(seen: Pass) -> tuple[str, ...]:
-    """The longest names of which none is drawn over its neighbour's; each is centred."""
-    a_pixel = (seen.last_write - seen.sclock) * 1.15 / PIXELS
-    for names in (MARKERS, SHORT):
-        ends = pairwise(zip(seen, names, strict=True))
-        if all((b - a) / a_pixel > NAME_PIXELS * (len(x) + len(y)) / 2 for (a, x), (b, y) in ends):
-            return names
-    return LETTERS[: len(MARKERS)]
 
 
 def _surfer(seen: Pass | None) -> str:
