@@ -10,8 +10,11 @@
 namespace mmcs {
 namespace {
 
-constexpr int kLearnedAt = 4;  // sight of a request in the same states: most come once only
-constexpr int kGivenUp = kLearnedAt + 1;
+// Sights of a request in the same states at which a trace is worked out: most come once only, and
+// other data may have one where these have none.
+bool worth_learning(unsigned sights) {
+  return sights >= 4 && (sights & (sights - 1)) == 0;
+}
 
 bool alike(const Part::Moment &a, const Part::Moment &b) {
   return a.state == b.state && a.control == b.control &&
@@ -104,10 +107,8 @@ Trace *Rack::Cycles::find(const BusRequest &q) {
   for (Trace *trace = known.trace; trace; trace = trace->next) {
     if (fits(*trace)) return has_room(*trace->flow) ? trace : nullptr;
   }
-  if (++known.tries != kLearnedAt) return nullptr;
-  known.tries = 0;
+  if (!worth_learning(++known.sights)) return nullptr;
   Trace *learned = learn(q, key);
-  if (!learned) known_[states(requests_[key])].tries = kGivenUp;
   return learned && has_room(*learned->flow) ? learned : nullptr;
 }
 

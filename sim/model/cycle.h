@@ -130,7 +130,7 @@ class Rack::Cycles {
   struct Known {
     uint64_t key = 0;
     Trace *trace = nullptr;
-    int tries = 0;
+    unsigned sights = 0;  // for which no trace fitted
   };
   // By its address, modifier, strobes and direction: the parts that have steps.
   struct Request {
