@@ -23,24 +23,14 @@ bool alike(const Part::Moment &a, const Part::Moment &b) {
 
 }  // namespace
 
-bool Flow::operator==(const Flow &other) const {
-  const auto same = [](const auto &a, const auto &b) {
-    return a.size() == b.size() &&
-           (a.empty() || !std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]));
-  };
-  return answered == other.answered && end == other.end && glue == other.glue &&
-         parts == other.parts && same(conditions, other.conditions) && same(rooms, other.rooms) &&
-         same(moves, other.moves) && same(terms, other.terms) && same(sums, other.sums) &&
-         same(events, other.events);
-}
-
 Rack::Cycles::Cycles(Rack &rack)
     : rack_(rack),
       data_(rack.data_.data()),
       request_(rack.data_.size() - 2),
       reply_(request_ + 1),
       masks_(rack.data_.size(), ~0u),
-      pending_(rack.parts_.size()) {
+      pending_(rack.parts_.size()),
+      before_(rack.parts_.size()) {
   masks_[request_] = 0xFFFF;
   for (const auto &part : rack.parts_) {
     size_t at = part->number * kMostFields;
@@ -60,19 +50,18 @@ uint64_t Rack::Cycles::states(const Request &request) const {
 }
 
 bool Rack::Cycles::fits(const Trace &trace) const {
-  for (const Trace::Step &s : trace) {
-    s.part->catch_up(rack_.clock_);
+  for (const Trace::Step &s : trace.steps) {
     if (s.part->state() != s.from || (s.part->pending_data() & ~s.before) != 0) return false;
   }
-  for (const Flow::Condition &c : trace.flow->conditions) {
+  for (const Trace::Condition &c : trace.conditions) {
     if ((data_[c.place] & c.mask) != c.value) return false;
   }
   return true;
 }
 
 // Whether its counters stay clear of their margin.
-bool Rack::Cycles::has_room(const Flow &flow) const {
-  for (const Flow::Room &r : flow.rooms) {
+bool Rack::Cycles::has_room(const Trace &trace) const {
+  for (const Trace::Room &r : trace.rooms) {
     if (data_[r.place] < r.low || data_[r.place] > r.high) return false;
   }
   return true;
@@ -81,15 +70,10 @@ bool Rack::Cycles::has_room(const Flow &flow) const {
 // A trace of this request from the states as they are; null: none is found.
 Trace *Rack::Cycles::learn(const BusRequest &q, uint64_t key) {
   rack_.glue_stale_ = true;
-  auto trace = std::make_unique<Trace>();
-  auto flow = std::make_unique<Flow>();
-  if (!work_out(q, trace.get(), flow.get())) return nullptr;
-  const auto same = [&flow](const auto &known) { return *known == *flow; };
-  auto known_flow = std::find_if(flows_.begin(), flows_.end(), same);
-  if (known_flow == flows_.end()) known_flow = flows_.insert(known_flow, std::move(flow));
-  trace->flow = known_flow->get();
+  std::unique_ptr<Trace> trace = work_out(q);
+  if (!trace) return nullptr;
   Request &request = requests_[key];
-  for (const Trace::Step &s : *trace) {
+  for (const Trace::Step &s : trace->steps) {
     if (std::count(request.parts.begin(), request.parts.end(), s.part) == 0)
       request.parts.push_back(s.part);
   }
@@ -105,56 +89,55 @@ Trace *Rack::Cycles::find(const BusRequest &q) {
   data_[request_] = q.data & 0xFFFF;
   Known &known = known_[states(requests_[key])];
   for (Trace *trace = known.trace; trace; trace = trace->next) {
-    if (fits(*trace)) return has_room(*trace->flow) ? trace : nullptr;
+    if (fits(*trace)) return has_room(*trace) ? trace : nullptr;
   }
   if (!worth_learning(++known.sights)) return nullptr;
   Trace *learned = learn(q, key);
-  return learned && has_room(*learned->flow) ? learned : nullptr;
+  return learned && has_room(*learned) ? learned : nullptr;
 }
 
-void Rack::Cycles::values(const Flow &flow) {
+void Rack::Cycles::values(const Trace &trace) {
   uint32_t *value = values_;
-  const Term *term = flow.terms.data();
-  for (const Flow::Move &m : flow.moves) {
+  const Term *term = trace.terms.data();
+  for (const Trace::Move &m : trace.moves) {
     uint32_t word = (data_[m.to] & m.keep) ^ m.constant;
     for (const Term *last = term + m.terms; term != last; ++term) word ^= term->bits(data_);
     *value++ = word;
   }
 }
 
+// Data as they are when the cycle is over; not those of parts that only listen.
+void Rack::Cycles::move(const Trace &trace) {
+  for (size_t n = heard_; n < trace.moves.size(); ++n) data_[trace.moves[n].to] = values_[n];
+  for (const Trace::Constant &c : trace.constants)
+    data_[c.place] = (data_[c.place] & c.keep) ^ c.value;
+  for (const Trace::Sum &s : trace.sums) data_[s.place] = (data_[s.place] + s.by) & s.mask;
+}
+
 bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
   Trace *trace = find(q);
   if (!trace) return false;
-  const Flow &flow = *trace->flow;
-  const int64_t end = rack_.clock_ + flow.end;
-  if (flow.answered > q.latest + 1 || q.due <= end) return false;
-  values(flow);
+  const int64_t end = rack_.clock_ + trace->end;
+  if (trace->answered > q.latest + 1 || q.due <= end) return false;
+  values(*trace);
   if (!follow(*trace)) {
     go_back();
     return false;
   }
   if (rack_.check_ && ++hits_ % static_cast<unsigned>(rack_.check_) == 0) {
-    after_.clear();
-    for (const auto &[part, moment] : before_) {
-      part->catch_up(end);
-      after_.push_back(part->moment());
-    }
-    go_back();
     check(*trace, q, reply);
     return true;
   }
-  for (size_t n = heard_; n < flow.moves.size(); ++n) data_[flow.moves[n].to] = values_[n];
-  for (const Flow::Sum &s : flow.sums) data_[s.place] = (data_[s.place] + s.by) & s.mask;
-  *reply = {data_[reply_], rack_.clock_ + flow.answered, end};
+  move(*trace);
+  *reply = {data_[reply_], rack_.clock_ + trace->answered, end};
   rack_.clock_ = end;
   ++rack_.evals_;
-  if (flow.glue) rack_.glue_stale_ = true;
-  for (const Trace::Step &s : *trace) {
-    s.part->go_to(s.to, s.pending, end, s.transitions);
+  if (trace->glue) rack_.glue_stale_ = true;
+  for (const Trace::Step &s : trace->steps) {
+    s.part->go_to(s.to, s.pending, end, static_cast<uint32_t>(s.states.size() - 1));
     rack_.plan(*s.part);
   }
-  for (uint64_t rest = followed_ & ~flow.parts; rest; rest &= rest - 1)
-    rack_.plan(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(rest))]);
+  for_parts(followed_ & ~trace->parts, [this](Part &part) { rack_.plan(part); });
   rack_.pins_.had_cycle(q.address, q.am, q.data);
   if (rack_.edges_.at <= end) {
     rack_.apply_edges(end);
@@ -165,29 +148,34 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
 
 // Makes the cycle clock by clock, and compares what becomes of it with the trace.
 void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *reply) {
-  const Flow &flow = *trace.flow;
-  const int64_t answered = rack_.clock_ + flow.answered, end = rack_.clock_ + flow.end;
-  std::vector<uint32_t> sums;
-  sums.reserve(flow.sums.size());
-  for (const Flow::Sum &s : flow.sums) sums.push_back((data_[s.place] + s.by) & s.mask);
+  const int64_t answered = rack_.clock_ + trace.answered, end = rack_.clock_ + trace.end;
+  const std::vector<uint32_t> before = rack_.data_;
+  std::vector<std::pair<Part *, Part::Moment>> after;
+  move(trace);
+  for_parts(followed_ & ~trace.parts, [&](Part &part) {
+    part.catch_up(end);
+    after.emplace_back(&part, part.moment());
+  });
+  const std::vector<uint32_t> expected = rack_.data_;
+  std::copy(before.begin(), before.end(), data_);
+  go_back();
   rack_.keep_caches_ = true;
   *reply = rack_.clock_by_clock(q);
   rack_.keep_caches_ = false;
+  data_[reply_] = reply->data;
   bool same = reply->answered == answered && reply->end == end;
-  for (const Trace::Step &s : trace) {
+  const auto compare = [&](size_t place) { same = same && data_[place] == expected[place]; };
+  for (const Trace::Step &s : trace.steps) {
     s.part->catch_up(end);
     same = same && s.part->state() == s.to;
   }
-  for (size_t n = 0; n < before_.size(); ++n) {
-    Part &part = *before_[n].first;
-    part.catch_up(end);
-    same = same && (flow.parts >> part.number & 1 || alike(part.moment(), after_[n]));
+  for (auto &[part, moment] : after) {
+    part->catch_up(end);
+    same = same && alike(part->moment(), moment);
   }
-  data_[reply_] = reply->data;
-  for (size_t n = heard_; n < flow.moves.size(); ++n)
-    same = same && values_[n] == data_[flow.moves[n].to];
-  const uint32_t *sum = sums.data();
-  for (const Flow::Sum &s : flow.sums) same = same && *sum++ == data_[s.place];
+  for (size_t n = heard_; n < trace.moves.size(); ++n) compare(trace.moves[n].to);
+  for (const Trace::Constant &c : trace.constants) compare(c.place);
+  for (const Trace::Sum &s : trace.sums) compare(s.place);
   if (!same) throw std::logic_error("a bus cycle as one step differs from its clocks");
 }
 

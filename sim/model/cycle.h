@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole cycles of the VME bus as one step. Terms: docs/simulator/simulator.md.
 //
-//   Flow           what a cycle does to data
-//   Trace          a cycle as one step: the states it leads from and to, and its flow
+//   Trace          a cycle as one step: the states it leads from and to, what becomes of data
 //   Rack::Cycles   all traces of a machine, by request and states (cycle.cpp)
 //   Table          entries by their key
 //   Tracer         works a trace out (cycle_trace.cpp, cycle_words.h, cycle_glue.cpp)
@@ -44,9 +43,15 @@ struct Term {
 struct Word;
 class Words;
 
-// What becomes of data, and of parts that only listen; common to traces of many states.
-struct Flow {
+struct Trace {
   static constexpr size_t kMostMoves = 128;
+  struct Step {  // a part that sends something
+    Part *part;
+    State *from, *to;
+    uint32_t before, pending;     // data outputs that may be pending; that are, by bit
+    std::vector<State *> states;  // all that it comes to
+    uint32_t passing, blocked;    // data inputs known to pass through it alike; not to; by bit
+  };
   struct Condition {
     uint32_t place, mask, value;
   };
@@ -57,6 +62,9 @@ struct Flow {
     Place to;
     uint16_t terms;
     uint32_t keep, constant;
+  };
+  struct Constant {  // a move without terms
+    uint32_t place, keep, value;
   };
   struct Sum {
     uint32_t place, by, mask;
@@ -70,33 +78,15 @@ struct Flow {
   uint16_t answered = 0, end = 0;  // clocks from its begin
   bool glue = false;               // an input of the glue changes
   uint64_t parts = 0;              // of the steps, by bit
+  std::vector<Step> steps;
   std::vector<Condition> conditions;
   std::vector<Room> rooms;
   std::vector<Move> moves;  // those of events first
   std::vector<Term> terms;  // of all moves
+  std::vector<Constant> constants;
   std::vector<Sum> sums;
   std::vector<Event> events;
-
-  bool operator==(const Flow &other) const;
-};
-
-struct Trace {
-  static constexpr size_t kMostSteps = 4;
-  struct Step {
-    Part *part;
-    State *from, *to;
-    uint32_t before, pending;  // data outputs that may be pending; that are, by bit
-    uint32_t transitions;
-  };
-  size_t count = 0;
-  Step steps[kMostSteps];
-  const Flow *flow = nullptr;
-  Trace *next = nullptr;                    // from the same states, for other data
-  std::vector<State *> states[kMostSteps];  // of each step: all that it comes to
-  uint64_t passing[kMostSteps] = {};        // of each step: data inputs, then those that are not
-
-  const Step *begin() const { return steps; }
-  const Step *end() const { return steps + count; }
+  Trace *next = nullptr;  // from the same states, for other data
 };
 
 // Entries by their key, which is not 0. There is always an empty one.
@@ -142,15 +132,20 @@ class Rack::Cycles {
     int data;  // follows that bit of data
     bool inverted;
   };
+  template <class F>
+  void for_parts(uint64_t parts, F f) {
+    for (; parts; parts &= parts - 1) f(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(parts))]);
+  }
   Trace *find(const BusRequest &request);
-  bool work_out(const BusRequest &request, Trace *trace, Flow *flow);
+  std::unique_ptr<Trace> work_out(const BusRequest &request);
   Trace *learn(const BusRequest &request, uint64_t key);
   uint64_t states(const Request &request) const;
   bool fits(const Trace &trace) const;
-  bool has_room(const Flow &flow) const;
+  bool has_room(const Trace &trace) const;
   const std::vector<GlueBit> &glue(const std::vector<uint32_t> &inputs, size_t data);
   std::vector<Word> glue_outputs(Words &words);
-  void values(const Flow &flow);
+  void values(const Trace &trace);
+  void move(const Trace &trace);
   void check(const Trace &trace, const BusRequest &request, BusReply *reply);
   // Parts that have no steps (cycle_follow.cpp).
   bool follow(Trace &trace);
@@ -166,12 +161,10 @@ class Rack::Cycles {
   Table<Request> requests_{1 << 12};
   Table<Known> known_{1 << 14};
   std::vector<std::unique_ptr<Trace>> traces_;
-  std::vector<std::unique_ptr<Flow>> flows_;
   std::map<std::vector<uint32_t>, std::vector<GlueBit>> glue_;  // by its inputs less the data
   std::vector<uint32_t> pending_;  // of each part: data outputs that were pending before a cycle
-  uint32_t values_[Flow::kMostMoves];                    // of the moves of a trace
-  std::vector<std::pair<Part *, Part::Moment>> before_;  // of parts that went on
-  std::vector<Part::Moment> after_;                      // the same, for check()
+  uint32_t values_[Trace::kMostMoves];  // of the moves of a trace
+  std::vector<Part::Moment> before_;    // of each part that went on: as it was when the cycle began
   size_t heard_ = 0;                                     // moves of events
   uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit
   unsigned hits_ = 0;

@@ -43,7 +43,7 @@ bool Rack::Cycles::go_to(Part &part, int64_t t) {
   if (!part.state()) return false;
   if (!(followed_ >> part.number & 1)) {
     followed_ |= uint64_t{1} << part.number;
-    before_.emplace_back(&part, part.moment());
+    before_[part.number] = part.moment();
   }
   while (part.due() <= t && !part.has_pending_outputs()) part.clock(part.due());
   return part.state() && !part.has_pending_outputs();
@@ -58,7 +58,7 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
     for (unsigned n = input.fields[axis]; n < input.fields[axis + 1]; ++n) {
       const Arrival &to = input.arrivals[n];
       Part &part = *to.part;
-      const bool is_step = trace.flow->parts >> part.number & 1;
+      const bool is_step = trace.parts >> part.number & 1;
       const int64_t at = is_step ? rack_.clock_ : t;
       if (!go_to(part, at)) return false;
       if (!part.put(to.field, edge.pins >> pin & 1 ? to.mask : 0, to.mask, at)) continue;
@@ -70,7 +70,7 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
         if (!port) continue;
         if (port->wire) return false;
         for (const Link &l : port->links) {
-          if (trace.flow->parts >> l.part->number & 1 || !go_to(*l.part, t)) return false;
+          if (trace.parts >> l.part->number & 1 || !go_to(*l.part, t)) return false;
           moved_ |= uint64_t{1} << l.part->number;
           if (l.part->put(l, part.get(*port), t)) l.part->inputs_changed(t);
           if (l.part->has_pending_outputs()) return false;
@@ -84,11 +84,9 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
 // Whether a data input of a part goes through it alike in all states of the trace, and does nothing
 // else. What is found is kept.
 bool Rack::Cycles::passes(Trace &trace, Part &part, int field) {
-  size_t n = 0;
-  while (trace.steps[n].part != &part) ++n;
-  uint64_t &known = trace.passing[n];
-  const uint64_t yes = uint64_t{1} << field, no = yes << 32;
-  if (known & (yes | no)) return known & yes;
+  Trace::Step *step = trace.steps.data();
+  while (step->part != &part) ++step;
+  if ((step->passing | step->blocked) >> field & 1) return step->passing >> field & 1;
   const auto through = [field](const Transition &t) {
     std::vector<Copy> all;
     for (const Copy &c : t.feedthroughs()) {
@@ -102,7 +100,7 @@ bool Rack::Cycles::passes(Trace &trace, Part &part, int field) {
   };
   std::vector<Copy> first;
   bool all = true;
-  for (State *state : trace.states[n]) {
+  for (State *state : step->states) {
     if (!state->on_data)
       state->on_data =
           part.learn_from(state, state->inputs, part.fields(), false, state->inputs, false);
@@ -111,27 +109,25 @@ bool Rack::Cycles::passes(Trace &trace, Part &part, int field) {
           !(clock->sources >> field & 1);
     if (!all) break;
     const std::vector<Copy> copies = through(data);
-    if (state == trace.states[n][0]) first = copies;
+    if (state == step->from) first = copies;
     all = std::equal(copies.begin(), copies.end(), first.begin(), first.end(), same);
   }
-  known |= all ? yes : no;
+  (all ? step->passing : step->blocked) |= 1u << field;
   return all;
 }
 
 // Parts that are not among the steps, but listen, are due, or have encoder edges. False: others
 // would notice.
 bool Rack::Cycles::follow(Trace &trace) {
-  const Flow &flow = *trace.flow;
   const auto &edges = rack_.edges_;
-  const int64_t begin = rack_.clock_, end = begin + flow.end;
-  before_.clear();
+  const int64_t begin = rack_.clock_, end = begin + trace.end;
   followed_ = 0;
-  auto event = flow.events.begin();
+  auto event = trace.events.begin();
   heard_ = 0;
   auto edge = edges.all.begin() + static_cast<std::ptrdiff_t>(edges.next);
   for (int64_t last = 0;;) {
     const int64_t edge_at = edge != edges.all.end() ? edge->clock + 1 : kNever;
-    const int64_t event_at = event != flow.events.end() ? begin + event->clock : kNever;
+    const int64_t event_at = event != trace.events.end() ? begin + event->clock : kNever;
     if (std::min(edge_at, event_at) > end) break;
     if (edge_at <= event_at) {
       if (edge_at != last) moved_ = 0;
@@ -146,12 +142,12 @@ bool Rack::Cycles::follow(Trace &trace) {
     if (!go_to(part, last)) return false;
     bool changed = part.put(kNoField, event->bits, event->mask, last);
     for (uint32_t n = 0; n < event->moves; ++n, ++heard_)
-      changed |= part.put(flow.moves[heard_].to % kMostFields, values_[heard_], ~0u, last);
+      changed |= part.put(trace.moves[heard_].to % kMostFields, values_[heard_], ~0u, last);
     ++event;
     if (changed) part.inputs_changed(last);
     if (part.has_pending_outputs()) return false;
   }
-  const uint64_t others = (followed_ | rack_.schedule_.due(end)) & ~trace.flow->parts;
+  const uint64_t others = (followed_ | rack_.schedule_.due(end)) & ~trace.parts;
   for (uint64_t rest = others; rest; rest &= rest - 1) {
     if (!go_to(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(rest))], end)) return false;
   }
@@ -159,7 +155,7 @@ bool Rack::Cycles::follow(Trace &trace) {
 }
 
 void Rack::Cycles::go_back() {
-  for (auto &[part, moment] : before_) part->go_back(moment);
+  for_parts(followed_, [this](Part &part) { part.go_back(before_[part.number]); });
 }
 
 }  // namespace mmcs

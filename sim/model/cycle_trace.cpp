@@ -39,7 +39,7 @@ class Rack::Cycles::Tracer {
       pin(kVmeDs, Word::of(~q.ds & 3));
     });
     while (dtack() != 0) clock([] {});
-    flow.answered = static_cast<uint16_t>(clocks_);
+    trace->answered = static_cast<uint16_t>(clocks_);
     sample();
     clock([&] {
       for (Port port : {kVmeAs, kVmeDs, kVmeIack, kVmeIackin, kVmeWrite, kVmeLword})
@@ -48,12 +48,11 @@ class Rack::Cycles::Tracer {
     while (dtack() == 0) clock([] {});
     clock([] {});
     if (selected_ || command_) throw NoTrace{};
-    flow.end = static_cast<uint16_t>(clocks_);
+    trace->end = static_cast<uint16_t>(clocks_);
     finish();
   }
 
-  Trace trace;
-  Flow flow;
+  std::unique_ptr<Trace> trace = std::make_unique<Trace>();
 
  private:
   static constexpr int kMostClocks = 64, kMostRounds = 1000;
@@ -139,6 +138,7 @@ class Rack::Cycles::Tracer {
   // As it is made again, if the part only listens.
   void note_event(size_t n) {
     Now &p = now_[n];
+    unnoted_ &= ~(uint64_t{1} << n);
     const auto clock = static_cast<uint32_t>(clocks_);
     Heard heard{{r_.parts_[n].get(), p.inputs, p.put, clock, 0}, {}};
     for (uint32_t rest = p.changed; rest; rest &= rest - 1) {
@@ -162,11 +162,9 @@ class Rack::Cycles::Tracer {
     Now &p = now_[n];
     const uint64_t inputs = (p.inputs & ~mask) | (bits & mask), anew = mask & ~p.put;
     p.put |= mask;
-    if (inputs == p.inputs) {  // of a part that only listens: it may have been another before
-      const auto clock = static_cast<uint32_t>(clocks_);
-      if (anew) heard_.push_back({{r_.parts_[n].get(), inputs, anew, clock, 0}, {}});
-      return;
-    }
+    // Of a part that only listens, bits that are put for the first time may have been others before.
+    if (anew) unnoted_ |= uint64_t{1} << n;
+    if (inputs == p.inputs) return;
     activate(n);
     p.inputs = inputs;
     changed_ |= uint64_t{1} << n;
@@ -203,7 +201,7 @@ class Rack::Cycles::Tracer {
   }
   void drive_net(const Wire &w) {
     if (!put_net(w.net, w.lsb, w.width, output(*w.part, *w.port))) return;
-    if (w.glue) glue_changed_ = flow.glue = true;
+    if (w.glue) glue_changed_ = trace->glue = true;
   }
   void send(const Part &part, const PartPort &port) {
     now_[part.number].sends = true;
@@ -266,6 +264,8 @@ class Rack::Cycles::Tracer {
         changed_ &= changed_ - 1;
         inputs_changed(n);
         send_outputs(n);
+      } else if (unnoted_ != 0) {
+        note_event(static_cast<size_t>(__builtin_ctzll(unnoted_)));
       } else {
         return;
       }
@@ -321,47 +321,48 @@ class Rack::Cycles::Tracer {
       if (!p.sends) continue;
       Part &part = *r_.parts_[n];
       if (p.inputs != p.state->inputs) throw NoTrace{};
-      flow.parts |= uint64_t{1} << n;
-      if (trace.count == Trace::kMostSteps) throw NoTrace{};
-      trace.states[trace.count] = p.states;
-      trace.steps[trace.count++] = {&part,     part.state(),
-                                    p.state,   c_.pending_[n],
-                                    p.pending, static_cast<uint32_t>(p.states.size() - 1)};
+      trace->parts |= uint64_t{1} << n;
+      trace->steps.push_back(
+          {&part, part.state(), p.state, c_.pending_[n], p.pending, p.states, 0, 0});
     }
     for (const Heard &heard : heard_) {
       if (now_[heard.event.part->number].sends) continue;
-      flow.events.push_back(heard.event);
-      flow.events.back().moves = static_cast<uint32_t>(heard.data.size());
-      for (const auto &[at, word] : heard.data) add_move(at, word);
+      trace->events.push_back(heard.event);
+      trace->events.back().moves = static_cast<uint32_t>(heard.data.size());
+      for (const auto &[at, word] : heard.data) add_move(at, word, true);
     }
     for (const auto &[at, entry] : words_.all()) {
       if (at < kFirstNet && !now_[at / kMostFields].sends) continue;
-      if (!(entry.word == words_.own(at))) add_move(at, entry.word);
+      if (!(entry.word == words_.own(at))) add_move(at, entry.word, false);
       if (entry.by) add_sum(at, entry);
     }
-    if (flow.moves.size() > Flow::kMostMoves) throw NoTrace{};
-    flow.conditions = words_.conditions;
+    if (trace->moves.size() > Trace::kMostMoves) throw NoTrace{};
+    trace->conditions = words_.conditions;
   }
   void add_sum(size_t at, const Words::Entry &sum) {
-    flow.sums.push_back({static_cast<Place>(at), sum.by, sum.mask});
+    trace->sums.push_back({static_cast<Place>(at), sum.by, sum.mask});
     const int margin = r_.parts_[at / kMostFields]->cache->fields()[at % kMostFields].margin;
     if (margin < 0) return;
     const uint32_t slack = static_cast<uint32_t>(2 * clocks_ + 4);
-    flow.rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(margin) + slack,
+    trace->rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(margin) + slack,
                           sum.mask - std::min(sum.mask, slack)});
   }
-  void add_move(size_t at, const Word &word) {
-    Flow::Move move{static_cast<Place>(at), 0, 0, word.constant};
+  void add_move(size_t at, const Word &word, bool of_event) {
+    Trace::Move move{static_cast<Place>(at), 0, 0, word.constant};
     for (const Term &t : word) {
       if (t.place == at && t.left == 0) {
         move.keep = t.mask;
         continue;
       }
       if (t.place < kFirstNet && !now_[t.place / kMostFields].sends) throw NoTrace{};
-      flow.terms.push_back(t);
+      trace->terms.push_back(t);
       ++move.terms;
     }
-    flow.moves.push_back(move);
+    if (move.terms == 0 && !of_event) {
+      trace->constants.push_back({move.to, move.keep, move.constant});
+    } else {
+      trace->moves.push_back(move);
+    }
   }
 
   Cycles &c_;
@@ -369,7 +370,7 @@ class Rack::Cycles::Tracer {
   Words words_;
   std::vector<Now> now_;  // of each part
   struct Heard {
-    Flow::Event event;
+    Trace::Event event;
     std::vector<std::pair<size_t, Word>> data;
   };
   std::vector<Heard> heard_;
@@ -377,20 +378,19 @@ class Rack::Cycles::Tracer {
   int clocks_ = 0;
   bool in_clock_ = false;  // not all parts have had this one
   uint64_t changed_ = 0;   // parts with inputs that changed, by bit
+  uint64_t unnoted_ = 0;   // parts with inputs that were put but have no event, by bit
   bool bus_changed_ = false, glue_changed_ = false, command_ = false;
   uint32_t selected_ = 0;  // cards, by bit
 };
 
-// False: it finds none.
-bool Rack::Cycles::work_out(const BusRequest &q, Trace *trace, Flow *flow) {
+// Null: it finds none.
+std::unique_ptr<Trace> Rack::Cycles::work_out(const BusRequest &q) {
   try {
     Tracer tracer(*this);
     tracer.work_out(q);
-    *trace = tracer.trace;
-    *flow = tracer.flow;
-    return true;
+    return std::move(tracer.trace);
   } catch (const NoTrace &) {
-    return false;
+    return nullptr;
   }
 }
 

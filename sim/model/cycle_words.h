@@ -132,7 +132,7 @@ class Words {
   uint32_t decided(const Word &word) {
     for (const Term &t : word) {
       if (counts(t)) throw NoTrace{};
-      const auto same = [&t](const Flow::Condition &c) { return c.place == t.place; };
+      const auto same = [&t](const Trace::Condition &c) { return c.place == t.place; };
       auto at = std::find_if(conditions.begin(), conditions.end(), same);
       if (at == conditions.end()) at = conditions.insert(at, {t.place, 0, 0});
       at->mask |= rotated(t.mask, -unsigned{t.left});
@@ -142,7 +142,7 @@ class Words {
   }
   const std::map<size_t, Entry> &all() const { return entries_; }
 
-  std::vector<Flow::Condition> conditions;
+  std::vector<Trace::Condition> conditions;
 
  private:
   bool counts(const Term &t) const {
