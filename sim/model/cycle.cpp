@@ -16,11 +16,6 @@ bool worth_learning(unsigned sights) {
   return sights >= 4 && (sights & (sights - 1)) == 0;
 }
 
-bool alike(const Part::Moment &a, const Part::Moment &b) {
-  return a.state == b.state && a.control == b.control &&
-         std::equal(a.fields, a.fields + kMostFields, b.fields);
-}
-
 }  // namespace
 
 Rack::Cycles::Cycles(Rack &rack)
@@ -34,7 +29,7 @@ Rack::Cycles::Cycles(Rack &rack)
   masks_[request_] = 0xFFFF;
   for (const auto &part : rack.parts_) {
     size_t at = part->number * kMostFields;
-    for (const DataField &field : part->cache->fields()) masks_[at++] = field.mask;
+    for (const DataField &field : part->model.fields()) masks_[at++] = field.mask;
   }
 }
 
@@ -134,7 +129,7 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
   ++rack_.evals_;
   if (trace->glue) rack_.glue_stale_ = true;
   for (const Trace::Step &s : trace->steps) {
-    s.part->go_to(s.to, s.pending, end, static_cast<uint32_t>(s.states.size() - 1));
+    s.part->go_to(s.to, s.pending, end, s.states.size() - 1);
     rack_.plan(*s.part);
   }
   for_parts(followed_ & ~trace->parts, [this](Part &part) { rack_.plan(part); });
@@ -150,11 +145,11 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
 void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *reply) {
   const int64_t answered = rack_.clock_ + trace.answered, end = rack_.clock_ + trace.end;
   const std::vector<uint32_t> before = rack_.data_;
-  std::vector<std::pair<Part *, Part::Moment>> after;
+  std::vector<std::pair<Part *, Part::Now>> after;
   move(trace);
   for_parts(followed_ & ~trace.parts, [&](Part &part) {
     part.catch_up(end);
-    after.emplace_back(&part, part.moment());
+    after.emplace_back(&part, part.now());
   });
   const std::vector<uint32_t> expected = rack_.data_;
   std::copy(before.begin(), before.end(), data_);
@@ -169,9 +164,10 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
     s.part->catch_up(end);
     same = same && s.part->state() == s.to;
   }
-  for (auto &[part, moment] : after) {
+  for (auto &[part, now] : after) {
     part->catch_up(end);
-    same = same && alike(part->moment(), moment);
+    same = same && part->state() == now.state && part->inputs() == now.inputs;
+    for (size_t f = 0; f < kMostFields; ++f) compare(part->number * kMostFields + f);
   }
   for (size_t n = heard_; n < trace.moves.size(); ++n) compare(trace.moves[n].to);
   for (const Trace::Constant &c : trace.constants) compare(c.place);
@@ -180,7 +176,7 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
 }
 
 bool Rack::bus_cycle(const BusRequest &request, BusReply *reply) {
-  if (!skip_ || stopped_ || own_card_ || held_ || pins_.held() || pins_.waiting() ||
+  if (!skip_ || stopped_ || own_card_ || pins_.faulty() || pins_.waiting() ||
       changed_inputs_ != 0 || glue_changed_ || pc_bus_.changed || pc_bus_.switches_changed ||
       pc_bus_.selected != 0 || pc_bus_.command || lines_ != shown_lines_ || dtack_level() == 0) {
     return false;

@@ -164,8 +164,12 @@ class Rack::Cycles {
   std::map<std::vector<uint32_t>, std::vector<GlueBit>> glue_;  // by its inputs less the data
   std::vector<uint32_t> pending_;  // of each part: data outputs that were pending before a cycle
   uint32_t values_[Trace::kMostMoves];  // of the moves of a trace
-  std::vector<Part::Moment> before_;    // of each part that went on: as it was when the cycle began
-  size_t heard_ = 0;                                     // moves of events
+  struct Moment {
+    Part::Now now;
+    uint32_t fields[kMostFields];
+  };
+  std::vector<Moment> before_;         // of each part that went on: as it was when the cycle began
+  size_t heard_ = 0;                   // moves of events
   uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit
   unsigned hits_ = 0;
 };

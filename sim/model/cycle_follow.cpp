@@ -8,42 +8,13 @@
 
 namespace mmcs {
 
-Part::Moment Part::moment() const {
-  Moment m{state_,    in_.control,         out_.control, out_.taken, time_.last,
-           time_.due, out_.pending_fields, {},           time_.idle};
-  std::memcpy(m.fields, fields_, sizeof fields_);
-  return m;
-}
-
-void Part::go_back(const Moment &m) {
-  state_ = m.state;
-  in_.control = m.control;
-  in_.changed_fields = 0;
-  out_.control = m.out_control;
-  out_.taken = m.taken;
-  out_.pending_fields = m.pending;
-  time_ = {m.last, m.due, m.idle};
-  std::memcpy(fields_, m.fields, sizeof fields_);
-  mode_.model_current = false;
-}
-
-void Part::go_to(State *state, uint32_t pending, int64_t t, uint32_t transitions) {
-  hits += transitions;
-  state_ = state;
-  in_.control = state->inputs;
-  out_.control = out_.taken = state->outputs;
-  out_.pending_fields = pending;
-  mode_.model_current = false;
-  time_.last = t;
-  plan();
-}
-
 // A part that is not among the steps is at edge t. False: others would notice.
 bool Rack::Cycles::go_to(Part &part, int64_t t) {
   if (!part.state()) return false;
   if (!(followed_ >> part.number & 1)) {
     followed_ |= uint64_t{1} << part.number;
-    before_[part.number] = part.moment();
+    std::memcpy(before_[part.number].fields, part.fields(), sizeof before_[0].fields);
+    before_[part.number].now = part.now();
   }
   while (part.due() <= t && !part.has_pending_outputs()) part.clock(part.due());
   return part.state() && !part.has_pending_outputs();
@@ -66,7 +37,7 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
       part.inputs_changed(at);
       if (!part.only_data_outputs()) return false;
       for (uint32_t fields = part.take_data_outputs(); fields; fields &= fields - 1) {
-        const PartPort *port = part.port_of(__builtin_ctz(fields));
+        const PartPort *port = part.model.port_of(__builtin_ctz(fields));
         if (!port) continue;
         if (port->wire) return false;
         for (const Link &l : port->links) {
@@ -155,7 +126,9 @@ bool Rack::Cycles::follow(Trace &trace) {
 }
 
 void Rack::Cycles::go_back() {
-  for_parts(followed_, [this](Part &part) { part.go_back(before_[part.number]); });
+  for_parts(followed_, [this](Part &part) {
+    part.go_back(before_[part.number].now, before_[part.number].fields);
+  });
 }
 
 }  // namespace mmcs

@@ -84,7 +84,7 @@ class Rack::Cycles::Tracer {
     for (int t = in_clock_ ? 1 : 0; t < clocks_; ++t) step(n, &p.state->on_clock, true);
   }
   void copy(size_t n, const Copy &c, const Word &from) {
-    const DataField &field = r_.parts_[n]->cache->fields()[c.to];
+    const DataField &field = r_.parts_[n]->model.fields()[c.to];
     const size_t to = place(n, c.to);
     Word next = words_.word(to).moved(0, c.keep & field.mask);
     next.constant ^= c.value & field.mask;
@@ -162,7 +162,8 @@ class Rack::Cycles::Tracer {
     Now &p = now_[n];
     const uint64_t inputs = (p.inputs & ~mask) | (bits & mask), anew = mask & ~p.put;
     p.put |= mask;
-    // Of a part that only listens, bits that are put for the first time may have been others before.
+    // Of a part that only listens, bits that are put for the first time may have been others
+    // before.
     if (anew) unnoted_ |= uint64_t{1} << n;
     if (inputs == p.inputs) return;
     activate(n);
@@ -217,14 +218,14 @@ class Rack::Cycles::Tracer {
     p.sent = p.state->outputs;
     if (changed & part.line_mask) throw NoTrace{};
     while (changed) {
-      const PartPort &port = part.port_at(__builtin_ctzll(changed));
+      const PartPort &port = part.model.port_at(__builtin_ctzll(changed));
       changed &= ~port.mask;
       send(part, port);
     }
     uint32_t data = part.observed_data(p.pending, p.state->outputs);
     p.pending &= ~data;
     for (; data; data &= data - 1) {
-      if (const PartPort *port = part.port_of(__builtin_ctz(data))) send(part, *port);
+      if (const PartPort *port = part.model.port_of(__builtin_ctz(data))) send(part, *port);
     }
   }
   void update_pc_bus() {
@@ -341,11 +342,11 @@ class Rack::Cycles::Tracer {
   }
   void add_sum(size_t at, const Words::Entry &sum) {
     trace->sums.push_back({static_cast<Place>(at), sum.by, sum.mask});
-    const int margin = r_.parts_[at / kMostFields]->cache->fields()[at % kMostFields].margin;
+    const int margin = r_.parts_[at / kMostFields]->model.fields()[at % kMostFields].margin;
     if (margin < 0) return;
     const uint32_t slack = static_cast<uint32_t>(2 * clocks_ + 4);
     trace->rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(margin) + slack,
-                          sum.mask - std::min(sum.mask, slack)});
+                            sum.mask - std::min(sum.mask, slack)});
   }
   void add_move(size_t at, const Word &word, bool of_event) {
     Trace::Move move{static_cast<Place>(at), 0, 0, word.constant};

@@ -1,12 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// See part.h: a part and its Verilated model, which is evaluated where the cache does not know.
+// See part_model.h.
+
+#include "part_model.h"
 
 #include <algorithm>
-
-#include "part.h"
+#include <stdexcept>
+#include <string>
 
 namespace mmcs {
 namespace {
+
+uint32_t mask_of(int width) {
+  if (width > 32) throw std::logic_error("data of more than 32 bits");
+  return width == 32 ? ~0u : (1u << width) - 1;
+}
+
+uint64_t bits(int width, int at) {
+  if (at + width > 64) throw std::logic_error("a part with too many control ports");
+  return (width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1) << at;
+}
 
 // Most registers are one byte, and a call for each costs more than the copy.
 inline void copy_bytes(void *to, const void *from, int bytes) {
@@ -27,61 +39,150 @@ inline void copy_bytes(void *to, const void *from, int bytes) {
 
 }  // namespace
 
-void Part::write_model_inputs(const uint32_t *fields, uint64_t inputs) {
-  for (const auto &port : ports_.all) {
+PartModel::PartModel(const BoardTable &table, size_t n, std::unique_ptr<Board> model,
+                     VerilatedContext &context)
+    : board(std::move(model)), module_(table.parts[n].module) {
+  if (const Net clk = board->port("clk_i")) clk.put(1);
+  const PartRow &own = table.parts[n];
+  const std::string scope = board->name() + "." + own.module;
+  // A net by the path of its instance on the board.
+  const auto find = [&](std::string path, const char *name) {
+    if (const size_t outer = std::strlen(own.path)) {
+      path = path.size() > outer ? path.substr(outer + 1) : "";
+    }
+    Net net = find_net(context, path.empty() ? scope : scope + "." + path, name);
+    if (!net && path.empty()) net = board->port(name);
+    if (!net) throw std::runtime_error("the model of " + scope + " has no " + name);
+    return net;
+  };
+  for (const DecideRow &row : table.decides) {
+    if (static_cast<size_t>(row.part) == n)
+      deciding_.emplace_back(find(row.path, row.name), row.level);
+  }
+  by_row_.resize(table.registers.size());
+  for (size_t r = 0; r < table.registers.size(); ++r) {
+    const RegisterRow &row = table.registers[r];
+    if (static_cast<size_t>(row.part) == n) add_register(r, row, find(row.path, row.name));
+  }
+  for (const SliceRow &row : table.slices) {
+    const RegisterPlace *place = by_row_[static_cast<size_t>(row.reg)];
+    if (!place) continue;
+    const bool decides = row.kind == Kind::kDecides;
+    slices_.push_back(
+        {add_field({mask_of(row.width), -1, false, false, false, decides, 0}), row.lsb, place});
+  }
+  if (register_bytes_ > kMostBytes) throw std::logic_error("a part with too many registers");
+  for (const PortRow &row : own.ports) {
+    const Net net =
+        *row.path ? find_net(context, scope + "." + row.path, row.name) : board->port(row.name);
+    if (!net) throw std::runtime_error(scope + " has no port " + row.name);
+    add_port(own, row, net);
+  }
+  by_field_.resize(fields_.size());
+  for (const auto &port : ports_) {
+    if (!port->data) continue;
+    const auto field = static_cast<size_t>(port->field);
+    by_field_[field] = port.get();
+    if (port->row->driven >= 0)
+      fields_[field].driven = ports_[static_cast<size_t>(port->row->driven)]->mask;
+  }
+}
+
+int PartModel::add_field(const DataField &field) {
+  fields_.push_back(field);
+  return static_cast<int>(fields_.size()) - 1;
+}
+
+void PartModel::add_register(size_t row_number, const RegisterRow &row, Net net) {
+  net.width = row.width;
+  auto place = std::make_unique<RegisterPlace>(RegisterPlace{net, kNoField, 0});
+  if (row.kind == Kind::kControl) {
+    place->at = static_cast<int>(register_bytes_);
+    register_bytes_ += static_cast<size_t>(net.bytes);
+  } else {
+    const bool counter = row.kind == Kind::kCounter, decides = row.kind == Kind::kDecides;
+    place->field = add_field(
+        {mask_of(row.width), counter ? row.margin : -1, counter, false, false, decides, 0});
+  }
+  by_row_[row_number] = place.get();
+  places_.push_back(std::move(place));
+}
+
+void PartModel::add_port(const PartRow &own, const PortRow &row, Net net) {
+  net.width = 8 * net.bytes;
+  const bool data = row.kind != Kind::kControl;
+  const bool whole = std::none_of(own.ports.begin(), own.ports.end(), [&row](const PortRow &r) {
+    return &r != &row && std::strcmp(r.name, row.name) == 0 && std::strcmp(r.path, row.path) == 0;
+  });
+  auto port = std::make_unique<PartPort>(PartPort{&row, net, row.width, row.out, data, whole});
+  if (data) {
+    const bool decides = row.kind == Kind::kDecides;
+    port->field = add_field({mask_of(row.width), -1, false, !row.out, row.out, decides, 0});
+  } else if (row.out) {
+    port->shift = static_cast<int>(by_output_bit_.size());
+    by_output_bit_.insert(by_output_bit_.end(), static_cast<size_t>(row.width), port.get());
+  } else {
+    for (const auto &other : ports_) {
+      if (!other->data && !other->output) port->shift += other->width;
+    }
+  }
+  if (!data) port->mask = bits(row.width, port->shift);
+  ports_.push_back(std::move(port));
+}
+
+void PartModel::write_inputs(const uint32_t *fields, uint64_t inputs) {
+  for (const auto &port : ports_) {
     if (port->output) continue;
     const uint64_t value = port->data ? fields[port->field] : (inputs & port->mask) >> port->shift;
     if (port->whole) {
       port->net.put(value);
       continue;
     }
-    const uint64_t bits = ((uint64_t{1} << port->width) - 1) << port->row->lsb;
-    port->net.put((port->net.get() & ~bits) | value << port->row->lsb);
+    const uint64_t own = ((uint64_t{1} << port->width) - 1) << port->row->lsb;
+    port->net.put((port->net.get() & ~own) | value << port->row->lsb);
   }
-  mode_.model_inputs = inputs;
+  inputs_ = inputs;
 }
 
-// The model has these registers and inputs, and all that follows from them.
-void Part::write_model(const uint8_t *registers, const uint32_t *fields, uint64_t inputs) {
-  for (const auto &place : layout_.places) {
+void PartModel::write(const uint8_t *registers, const uint32_t *fields, uint64_t inputs) {
+  for (const auto &place : places_) {
     if (place->field != kNoField) {
       place->net.put(fields[place->field]);
     } else {
       copy_bytes(place->net.at, registers + place->at, place->net.bytes);
     }
   }
-  for (const Slice &s : layout_.slices) {
+  for (const Slice &s : slices_) {
     const Net &net = s.within->net;
     net.put(net.get() | static_cast<uint64_t>(fields[s.field]) << s.lsb);
   }
-  write_model_inputs(fields, inputs);
-  model->settle();
-  model->sync();
+  write_inputs(fields, inputs);
+  board->settle();
+  board->sync();
 }
 
-// Registers, data fields and control outputs of the model.
-uint64_t Part::read_model(uint8_t *registers, uint32_t *fields) const {
-  for (const auto &place : layout_.places) {
+uint64_t PartModel::read(uint8_t *registers, uint32_t *fields) const {
+  for (const auto &place : places_) {
     if (place->field != kNoField) {
       fields[place->field] = static_cast<uint32_t>(place->net.get());
     } else {
       copy_bytes(registers + place->at, place->net.at, place->net.bytes);
     }
   }
-  for (const Slice &s : layout_.slices) {
-    const uint64_t mask = cache->fields()[static_cast<size_t>(s.field)].mask;
+  for (const Slice &s : slices_) {
+    const uint64_t mask = fields_[static_cast<size_t>(s.field)].mask;
     uint64_t own = 0;
     copy_bytes(&own, registers + s.within->at, s.within->net.bytes);
     fields[s.field] = static_cast<uint32_t>(own >> s.lsb & mask);
     own &= ~(mask << s.lsb);
     copy_bytes(registers + s.within->at, &own, s.within->net.bytes);
   }
-  return read_model_outputs(fields);
+  return read_outputs(fields);
 }
 
-uint64_t Part::read_model_outputs(uint32_t *fields) const {
+uint64_t PartModel::read_outputs(uint32_t *fields) const {
   uint64_t outputs = 0;
-  for (const auto &port : ports_.all) {
+  for (const auto &port : ports_) {
     if (!port->output) continue;
     if (port->data) {
       fields[port->field] = static_cast<uint32_t>(port->net.get());
@@ -92,210 +193,72 @@ uint64_t Part::read_model_outputs(uint32_t *fields) const {
   return outputs;
 }
 
-// Data decide what the model does now.
-bool Part::data_decide() const {
-  bool found = false;
-  for (const auto &[net, level] : layout_.deciding) found = found || (net.get() != 0) == level;
-  return found;
-}
-
-void Part::evaluate(bool clock) {
-  if (clock) {
-    model->clock();
-  } else {
-    write_model_inputs(fields_, in_.control);
-    model->inputs();
-  }
-  apply_held_bits();
-}
-
-void Part::load() {
-  if (!mode_.model_current && state_) write_model(state_->registers(), fields_, state_->inputs);
-  mode_.model_current = true;
-}
-
-// Takes state and data fields from the model.
-void Part::store() {
-  uint8_t registers[kMostBytes] = {};
-  uint32_t before[kMostFields];
-  std::memcpy(before, fields_, sizeof before);
-  out_.control = read_model(registers, fields_);
-  const auto &fields = cache->fields();
-  for (size_t f = 0; f < fields.size(); ++f) {
-    if (fields[f].output && fields_[f] != before[f]) out_.pending_fields |= 1u << f;
-  }
-  mode_.model_current = true;
-  state_ = nullptr;
-  if (mode_.cached)
-    state_ = cache->make(registers, cache->counters(fields_), mode_.model_inputs, out_.control);
-}
-
-// The state with these registers and the inputs and data fields as they are; is_case: its outputs
-// may depend on the values of fields.
-State *Part::state_of(const uint8_t *registers, bool is_case) {
-  const uint64_t counters = cache->counters(fields_);
-  State *known = is_case ? nullptr : cache->find(registers, counters, in_.control, nullptr);
-  if (known) return known;
-  write_model(registers, fields_, in_.control);
-  uint8_t unused[kMostBytes];
-  uint32_t fields[kMostFields];
-  return cache->make(registers, counters, in_.control, read_model(unused, fields));
-}
-
-// Makes a step of the model with one set of patterns. valued: the fields that decide, by bit, which
-// have their values; fixed: these, and others without a pattern. True: data decide.
-bool Part::observe(int set, bool clock, uint32_t fixed, uint32_t valued, Observation *seen) {
-  State *from = state_;
-  const auto &fields = cache->fields();
-  for (size_t f = 0; f < fields.size(); ++f) {
-    if (!(fixed >> f & 1))
-      fields_[f] = cache->pattern(set, f);
-    else if (fields[f].input && !(valued >> f & 1))
-      fields_[f] = fields[f].mask;
-  }
-  for (const HeldBits &h : held_) {
-    if (h.place->field == kNoField) continue;
-    uint32_t &field = fields_[h.place->field];
-    field = static_cast<uint32_t>((field & ~h.clear) | h.set);
-  }
-  std::memcpy(seen->before, fields_, sizeof seen->before);
-  std::memcpy(seen->after, fields_, sizeof seen->after);
-  write_model(from->registers(), fields_, from->inputs);
-  if (!clock) {  // data inputs had other values before
-    uint32_t old[kMostFields];
-    for (size_t f = 0; f < fields.size(); ++f) {
-      const bool ones = fields[f].driven && !(from->inputs & fields[f].driven);
-      old[f] = !fields[f].input || valued >> f & 1 ? fields_[f]
-               : ones                              ? fields[f].mask
-                                                   : ~cache->pattern(set, f) & fields[f].mask;
-    }
-    read_model_outputs(seen->data);
-    write_model(from->registers(), old, from->inputs);
-  }
-  read_model_outputs(seen->before);
-  const bool before = data_decide();
-  evaluate(clock);
-  return before || data_decide();
-}
-
-// A transition of the state, by its inputs or, where data decide, by the values of the fields.
-Transition *Part::learn(bool clock, uint64_t key, bool is_case) {
-  State *from = state_;
-  uint32_t valued = 0;
-  if (is_case) {
-    for (size_t f : cache->deciding()) valued |= 1u << f;
-  }
-  const uint32_t fixed = cache->fixed(from->counters, in_.control) | valued;
-  std::vector<Observation> seen(kPatterns);
-  uint8_t registers[kMostBytes] = {}, others[kMostBytes] = {};
-  uint64_t outputs = 0;
-  bool same = true;  // of all sets: the key of the next state
-  uint32_t actual[kMostFields];
-  std::memcpy(actual, fields_, sizeof actual);
-  for (int set = 0; set < kPatterns && same; ++set) {
-    Observation &s = seen[static_cast<size_t>(set)];
-    same = !observe(set, clock, fixed, valued, &s) || is_case;
-    const uint64_t now = read_model(set ? others : registers, s.after);
-    if (set) {
-      same = same && now == outputs && !std::memcmp(registers, others, layout_.register_bytes);
-    }
-    outputs = now;
-  }
-  std::memcpy(fields_, actual, sizeof actual);
-  mode_.model_current = false;
-  Draft draft;
-  const bool found = same && cache->derive(seen, fixed, clock, &draft);
-  Transition *t = cache->add(found ? draft : Draft{}, key, nullptr);
-  t->is_case = is_case;
-  if (!found) {
-    t->decided = !is_case && !draft.computed && !cache->deciding().empty();
-    return t;
-  }
-  const uint32_t pending = out_.pending_fields;
-  apply(*t);  // feedthroughs do not change the key
-  t->to = state_of(registers, is_case);
-  std::memcpy(fields_, actual, sizeof actual);
-  out_.pending_fields = pending;
-  t->idle = t->idle && t->to == from;
-  t->observed = ((t->to->outputs ^ from->outputs) & out_.sampled) != 0;
-  const uint32_t sampled = not_ignored(out_.sampled_fields, from->outputs) |
-                           not_ignored(out_.sampled_fields, t->to->outputs);
-  for (const Copy &c : draft.copies) t->observed = t->observed || sampled >> c.to & 1;
-  return t;
-}
-
-Transition *Part::learn_from(State *state, uint64_t inputs, const uint32_t *fields, bool clock,
-                             uint64_t key, bool is_case) {
-  State *const own_state = state_;
-  const uint64_t own_inputs = in_.control;
-  uint32_t own[kMostFields];
-  std::memcpy(own, fields_, sizeof own);
-  std::memcpy(fields_, fields, sizeof own);
-  state_ = state;
-  in_.control = inputs;
-  Transition *t = learn(clock, key, is_case);
-  state_ = own_state;
-  in_.control = own_inputs;
-  std::memcpy(fields_, own, sizeof own);
-  return t;
-}
-
-void Part::written(int64_t t) {
-  model->settle();
-  model->inputs();
-  apply_held_bits();
-  store();
-  time_.last = t;
-  time_.due = t + 1;
-  time_.idle = false;
-}
-
-// With held bits its transitions are others than those of its module: it has a cache of its own.
-void Part::hold(const HeldBits &bits) {
-  held_.erase(std::remove_if(held_.begin(), held_.end(),
-                             [&bits](const HeldBits &h) { return h.place == bits.place; }),
-              held_.end());
-  if (bits.clear || bits.set) held_.push_back(bits);
-  own_cache(!held_.empty() || out_.never_ignored);
-}
-
-void Part::never_ignore(bool never) {
-  if (never == out_.never_ignored) return;
-  out_.never_ignored = never;
-  own_cache(!held_.empty() || out_.never_ignored);
-}
-
-void Part::own_cache(bool own) {
-  cache = own ? std::make_shared<Cache>(module_cache_->fields(), layout_.register_bytes)
-              : module_cache_;
-  state_ = nullptr;
-}
-
-void Part::apply_held_bits() {
-  bool changed = false;
-  for (const HeldBits &p : held_) {
-    const Net &net = p.place->net;
-    const uint64_t before = net.get(), after = (before & ~p.clear) | p.set;
-    changed = changed || before != after;
-    net.put(after);
-  }
-  if (changed) model->settle();
-}
-
-uint64_t Part::read(const RegisterPlace &place) const {
-  if (mode_.model_current) return place.net.get();
-  if (place.field != kNoField) return fields_[place.field];
+uint64_t PartModel::read(const RegisterPlace &place, const uint8_t *registers,
+                         const uint32_t *fields) const {
+  if (place.field != kNoField) return fields[place.field];
   uint64_t value = 0;
-  std::memcpy(&value, state_->registers() + place.at, static_cast<size_t>(place.net.bytes));
-  for (const Slice &s : layout_.slices) {
-    if (s.within == &place) value |= static_cast<uint64_t>(fields_[s.field]) << s.lsb;
+  std::memcpy(&value, registers + place.at, static_cast<size_t>(place.net.bytes));
+  for (const Slice &s : slices_) {
+    if (s.within == &place) value |= static_cast<uint64_t>(fields[s.field]) << s.lsb;
   }
   return value;
 }
 
-void Part::forget() {
-  load();
-  state_ = nullptr;
+bool PartModel::data_decide() const {
+  bool found = false;
+  for (const auto &[net, level] : deciding_) found = found || (net.get() != 0) == level;
+  return found;
+}
+
+void PartModel::clock() {
+  board->clock();
+  apply_held_bits();
+}
+
+void PartModel::put_inputs(const uint32_t *fields, uint64_t inputs) {
+  write_inputs(fields, inputs);
+  board->inputs();
+  apply_held_bits();
+}
+
+void PartModel::registers_written() {
+  board->settle();
+  board->inputs();
+  apply_held_bits();
+}
+
+void PartModel::slow_clock() {
+  for (uint64_t level = 0; level < 2; ++level) {
+    if (const Net clk = board->port("clk_i")) clk.put(level);
+    board->eval();
+  }
+  apply_held_bits();
+}
+
+void PartModel::hold(const HeldBits &bits) {
+  const auto same = [&bits](const HeldBits &h) { return h.place == bits.place; };
+  held_.erase(std::remove_if(held_.begin(), held_.end(), same), held_.end());
+  if (bits.clear || bits.set) held_.push_back(bits);
+}
+
+void PartModel::apply_held_bits() {
+  bool changed = false;
+  for (const HeldBits &h : held_) {
+    const Net &net = h.place->net;
+    const uint64_t before = net.get(), after = (before & ~h.clear) | h.set;
+    changed = changed || before != after;
+    net.put(after);
+  }
+  if (changed) board->settle();
+}
+
+// Those of fields that are held.
+void PartModel::hold_fields(uint32_t *fields) const {
+  for (const HeldBits &h : held_) {
+    if (h.place->field == kNoField) continue;
+    uint32_t &field = fields[h.place->field];
+    field = static_cast<uint32_t>((field & ~h.clear) | h.set);
+  }
 }
 
 }  // namespace mmcs

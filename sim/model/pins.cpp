@@ -3,6 +3,7 @@
 
 #include "pins.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -119,8 +120,6 @@ void Pins::had_cycle(unsigned address, unsigned am, unsigned data) {
 void Pins::hold(Port port, uint64_t low, uint64_t high) {
   low_[port] = low;
   high_[port] = high & ~low;
-  held_ = false;
-  for (int p = 0; p < kVmeSysreset; ++p) held_ = held_ || (low_[p] | high_[p]) != 0;
   if (low | high) ports_.disturb();
   put(port, 0, kPortFields[port], free_[port]);
 }
@@ -171,6 +170,7 @@ void Pins::put(int port, int lsb, int width, uint64_t value) {
 // that is open: the line is 0 on its far side.
 void Pins::fault(Pin pin, int index, uint64_t value) {
   standing(pin, index) = value;
+  faulty_ = std::any_of(faults_.begin(), faults_.end(), [](uint64_t f) { return f != 0; });
   const bool on = value != 0;
   const uint64_t all = on ? ~uint64_t{0} : 0;
   switch (pin) {

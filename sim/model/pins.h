@@ -106,7 +106,7 @@ class Pins {
   }
   // A cycle of the bus master is over that was made as one step.
   void had_cycle(unsigned address, unsigned am, unsigned data);
-  bool held() const { return held_; }  // a line of the VME bus
+  bool faulty() const { return faulty_; }  // a fault stands that is made here
 
   // Changes from now on go to these pins, too; null: to none.
   void also(Pins *other) { also_ = other; }
@@ -174,10 +174,10 @@ class Pins {
   uint64_t driven_[kVmeSysreset] = {};  // VME ports, with changes that are on their way
   uint64_t free_[kVmeSysreset] = {};    // as they are if no line is held
   uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
-  bool held_ = false;                                          // any of them
   std::vector<unsigned> encoders_;        // of each axis: as set_encoder() set them last
   std::vector<uint64_t> levels_[kPorts];  // as they are, 64 bits a word
   std::vector<uint64_t> faults_;          // by pin, then index: as they are
+  bool faulty_ = false;                   // any of them
   std::vector<uint64_t> codes_;           // of each axis: the code of its A/D when it stuck
 };
 

@@ -123,12 +123,12 @@ void Rack::send_outputs(Part &part) {
   uint64_t changed = part.take_outputs();
   if (changed & part.line_mask) update_lines();
   while (changed) {
-    const PartPort &port = part.port_at(__builtin_ctzll(changed));
+    const PartPort &port = part.model.port_at(__builtin_ctzll(changed));
     changed &= ~port.mask;
     send(port);
   }
   for (uint32_t fields = part.take_data_outputs(); fields; fields &= fields - 1) {
-    if (const PartPort *port = part.port_of(__builtin_ctz(fields))) send(*port);
+    if (const PartPort *port = part.model.port_of(__builtin_ctz(fields))) send(*port);
   }
 }
 
@@ -306,17 +306,21 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   return stop;
 }
 
-// Empties a cache.
+// Empties a cache. The state of each of its parts is in the model meanwhile.
 void Rack::forget(Cache &cache) {
   cycles_.reset();
   for (const auto &part : parts_) {
     if (part->cache.get() != &cache) continue;
     if (!stopped_) part->catch_up(clock_);
-    part->forget();
+    part->load();
+  }
+  cache.clear();
+  for (const auto &part : parts_) {
+    if (part->cache.get() != &cache) continue;
+    part->store();
     part->plan();
     plan(*part);
   }
-  cache.clear();
 }
 
 void Rack::power_on() {
@@ -328,7 +332,7 @@ void Rack::power_on() {
   pins_.set(Pin::kSysreset, 0, 1);
   pins_.apply();
   for (const auto &part : parts_) {
-    part->model->eval();
+    part->model.board->eval();
     part->load();
     part->written(clock_);
     inputs_changed(*part);

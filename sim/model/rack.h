@@ -100,7 +100,7 @@ class Rack : public Model, private Listener {
   void for_ports(size_t board, int net, F f) {
     const size_t end = board + 1 < board_begin_.size() ? board_begin_[board + 1] : parts_.size();
     for (size_t n = board_begin_[board]; n < end; ++n) {
-      for (const auto &port : parts_[n]->ports()) {
+      for (const auto &port : parts_[n]->model.ports()) {
         if (port->row->net == net) f(*parts_[n], *port);
       }
     }
@@ -141,7 +141,7 @@ class Rack : public Model, private Listener {
   void stop_clock(bool stopped) override;
   void put_back(const Saved &state) override;
   void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) override;
-  void see_held();
+  const std::shared_ptr<Cache> &cache_of(const Part &part) { return caches_[part.model.module()]; }
   RegisterPlace &find(int reg, Part **part);
   void written(Part &part);
   Net find_watched(const std::string &name);
@@ -234,7 +234,6 @@ class Rack : public Model, private Listener {
   std::unique_ptr<Cycles> cycles_;  // bus cycles as one step; null: none yet
   bool keep_caches_ = false;        // none is emptied
   int check_ = 0;                   // every so many of them are compared with their clocks
-  bool held_ = false;               // a fault holds a wire or a register
 };
 
 }  // namespace mmcs

@@ -47,7 +47,8 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
         Part &part = *wire->part;
         if (!stopped_) part.catch_up(clock_);
         part.load();
-        part.never_ignore(mask != 0);
+        part.model.never_ignore(mask != 0);
+        part.choose_cache(cache_of(part));
         written(part);
       }
       drive_net(*wire);
@@ -59,13 +60,6 @@ void Rack::cut(const std::string &board, const char *port, uint64_t mask, uint64
       update_input(*wire);
     }
   }
-  see_held();
-}
-
-void Rack::see_held() {
-  held_ = std::any_of(board_wires_.begin(), board_wires_.end(),
-                      [](const auto &wire) { return wire->held != 0; }) ||
-          std::any_of(parts_.begin(), parts_.end(), [](const auto &part) { return part->held(); });
 }
 
 std::vector<CacheFigures> Rack::cache_figures() const {
@@ -86,7 +80,7 @@ RegisterPlace &Rack::find(int reg, Part **part) {
   const size_t board = static_cast<size_t>(r.board);
   const BoardTable &table = board_table(kWires.boards[board].module);
   *part = parts_[board_begin_[board] + static_cast<size_t>(table.registers[r.row].part)].get();
-  return *(*part)->place(static_cast<size_t>(r.row));
+  return *(*part)->model.place(static_cast<size_t>(r.row));
 }
 
 // Does what follows from registers of the part that were written.
@@ -101,10 +95,10 @@ void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   RegisterPlace &place = find(find_register(reg), &part);
   part->catch_up(clock_);
   part->load();
-  part->hold({&place, clear, set});
+  part->model.hold({&place, clear, set});
+  part->choose_cache(cache_of(*part));
   place.net.put((place.net.get() & ~clear) | set);
   written(*part);
-  see_held();
 }
 
 uint64_t Rack::read(int reg) {
@@ -152,7 +146,7 @@ Net Rack::find_watched(const std::string &name) {
       return found;
     }
     for (size_t u = 1; u < table.parts.size(); ++u) {
-      if (path == table.parts[u].path) return parts_[board_begin_[n] + u]->model->port(port);
+      if (path == table.parts[u].path) return parts_[board_begin_[n] + u]->model.board->port(port);
     }
   }
   return {};

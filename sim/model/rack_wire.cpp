@@ -26,14 +26,13 @@ void Rack::add_parts(const BoardInfo &board) {
     auto model = Board::create(module, *context_, name + std::to_string(n));
     if (parts_.size() == Schedule::kMostParts)
       throw std::logic_error("a machine of too many parts");
-    auto &fields = reinterpret_cast<uint32_t (&)[kMostFields]>(data_[parts_.size() * kMostFields]);
-    parts_.push_back(
-        std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_, fields));
+    parts_.push_back(std::make_unique<Part>(table, n, std::move(model), &caches_[module], *context_,
+                                            &data_[parts_.size() * kMostFields]));
     parts_.back()->number = parts_.size() - 1;
     all_parts_ |= uint64_t{1} << parts_.back()->number;
   }
   for (size_t n = first; n < parts_.size(); ++n) {
-    for (const auto &out : parts_[n]->ports()) {
+    for (const auto &out : parts_[n]->model.ports()) {
       if (!out->output) continue;
       for_ports(board_begin_.size() - 1, out->row->net, [&](Part &part, PartPort &port) {
         if (!port.output) out->links.push_back({&part, port.mask, port.shift, port.field});
@@ -57,17 +56,17 @@ void Rack::ignore_unselected() {
   });
   adaptor([&](const Wire &w) {
     if (w.port->data && w.port->links.empty() && !own_card_)
-      w.part->ignore_while(commands, *w.port);
+      w.part->model.ignore_while(commands, *w.port);
   });
   for (const auto &part : parts_) {
-    for (const auto &port : part->ports()) {
+    for (const auto &port : part->model.ports()) {
       if (!port->output || !port->data || port->wire || port->links.size() != 1) continue;
       const Link &link = port->links[0];
-      for (const auto &in : link.part->ports()) {
+      for (const auto &in : link.part->model.ports()) {
         if (in->row->net != port->row->net || in->row->select < 0) continue;
-        const int net = link.part->ports()[static_cast<size_t>(in->row->select)]->row->net;
-        for (const auto &by : part->ports()) {
-          if (by->output && by->row->net == net) part->ignore_while(by->mask, *port);
+        const int net = link.part->model.ports()[static_cast<size_t>(in->row->select)]->row->net;
+        for (const auto &by : part->model.ports()) {
+          if (by->output && by->row->net == net) part->model.ignore_while(by->mask, *port);
         }
       }
     }
@@ -198,8 +197,9 @@ void Rack::wire_input(Port port) {
 // What is read of the boards' outputs: nets, lines, and what Model reads at any time.
 void Rack::wire_outputs(const std::vector<char> &read) {
   for (const auto &part : parts_) {
-    for (const auto &port : part->ports()) {
+    for (const auto &port : part->model.ports()) {
       if (port->wire && !read[static_cast<size_t>(port->wire->net)]) port->wire = nullptr;
+      if (port->wire || !port->links.empty()) part->observe(*port);
     }
   }
   const auto of_adaptor = [this](const char *name) {
@@ -221,11 +221,11 @@ void Rack::wire_outputs(const std::vector<char> &read) {
     wire->part->line_mask |= wire->port->mask;
     line_wires_.emplace_back(wire, bit);
   }
-  for (const auto &part : parts_) part->connected();
   std::vector<const Wire *> sampled = {alive_, dtack_};
+  for (const auto &[wire, bit] : line_wires_) sampled.push_back(wire);
   sampled.insert(sampled.end(), drives_.begin(), drives_.end());
   sampled.insert(sampled.end(), leds_.begin(), leds_.end());
-  for (const Wire *wire : sampled) wire->part->sample(*wire->port);
+  for (const Wire *wire : sampled) wire->part->observe(*wire->port);
 }
 
 }  // namespace mmcs
