@@ -179,24 +179,6 @@ TEST(test_last_close_is_silent_and_says_no_more_than_it_must, "DRV-2 DRV-6") {
   CHECK_EQ(mc_open(mc, -1), -MC_EINVAL);
 }
 
-/* The heartbeats that the close ended run out while the machine is open again. */
-TEST(test_reopened_at_once_the_own_panic_is_no_error, "DRV-6 DRV-9") {
-  for (int gap = 0; gap < 60000; gap += 500) {
-    static const unsigned intervals[] = {2000, 500, 20000};
-    struct mc *mc = mock_open(&m, 1);
-    call(mc, MSETINTERVAL, intervals[gap / 500 % 3]);
-    CHECK_EQ(enable(mc), 0);
-    mock_run(&m, 10000);
-    CHECK_EQ(mc_close(mc, 0), 0);
-    mock_run(&m, gap);
-    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-    CHECK_EQ(enable(mc), 0);
-    mock_run(&m, 60000);
-    CHECK_EQ(mc_stats_of(mc)->panics, 0);
-    CHECK_EQ(m.releases, 2); /* the brakes held in between */
-  }
-}
-
 /* Which signals an encoder gives, and which the switch of the cards gives before and after, must
  * make no difference: whatever is opened, stopped, switched or closed, the counts stay. */
 TEST(test_nothing_but_motion_moves_a_count, "DRV-2 DRV-9 DRV-10 DIA-2") {

@@ -97,19 +97,6 @@ TEST(test_axes_that_are_off_are_not_due, "DRV-9 DRV-12") {
 static const char crowded[] =
     "mc: passes outlast SCLOCK, programs get no time: the interval is too short\n";
 
-/* Late, but computed: counted, told once, and on it goes. */
-TEST(test_late_passes_that_compute_go_on, "DRV-7 DRV-9") {
-  struct mc *mc = started(MD_VEL, MD_POS, 1);
-  m.compute_us = 1200;
-  mock_run(&m, 49000);
-  CHECK_EQ(said[0], 0);
-  mock_run(&m, 351000);
-  SAID(crowded);
-  CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
-  CHECK(mc_is_enabled(mc) && !mock_panic(&m));
-  CHECK(mc_stats_of(mc)->overrun > 90);
-}
-
 /* A port whose processor is too slow for its interval: MENABLE would not return there, since
  * nothing but passes runs. Every open tells it once. */
 TEST(test_a_processor_that_is_too_slow_is_told_at_rest, "DRV-7") {

@@ -31,22 +31,6 @@ TEST(test_every_axis_gets_its_own_numbers, "DRV-4 DRV-7 DRV-11") {
   CHECK_EQ(m.computed_axes, 6);
 }
 
-/* Every bit of both converters, in the presence of any bit of the other. */
-TEST(test_converters_share_their_high_nibbles, "DRV-11") {
-  struct mc *mc = listening(1);
-  static const uint16_t codes[] = {0,     0xFFF, 0x00F, 0x0F0, 0xF00, 0x100, 0x200,
-                                   0x400, 0x800, 0x555, 0xAAA, 0x0FF, 0xFF0};
-  for (unsigned i = 0; i < COUNT(codes); i++) {
-    for (unsigned k = 0; k < COUNT(codes); k++) {
-      m.card[0].adc[0] = codes[i];
-      m.card[0].adc[1] = codes[k];
-      mock_pass(&m);
-      CHECK_EQ(mc_state_of(mc, 0)->adcvai, codes[i]);
-      CHECK_EQ(mc_state_of(mc, 1)->adcvai, codes[k]);
-    }
-  }
-}
-
 TEST(test_late_converters_keep_the_old_values_of_their_card, "DRV-11") {
   struct mc *mc = listening(3);
   for (int axis = 0; axis < 6; axis++) m.card[axis / 2].adc[axis & 1] = (uint16_t)(100 + axis);
@@ -209,24 +193,6 @@ TEST(test_every_sclock_is_served_or_missed, "DRV-7") {
   }
 }
 
-/* A pass that outlasts its SCLOCK is an overrun, whichever half of whichever SCLOCK it ends in. */
-TEST(test_overruns_of_any_length, "DRV-7") {
-  struct mc *mc = listening(1);
-  call(mc, MSETINTERVAL, 1000);
-  call(mc, MSETNUMJOINTS, 1);
-  CHECK_EQ(enable(mc), 0);
-  for (int64_t length = 50; length < 4500; length += 50) {
-    if (length > 900 && length < 1000) continue; /* the accesses take their time too */
-    mock_run(&m, 10000);
-    int before = mc_stats_of(mc)->overrun;
-    m.compute_us = length;
-    mock_pass(&m);
-    m.compute_us = 0;
-    CHECK_EQ(mc_stats_of(mc)->overrun - before, length >= 1000);
-    if (length < 2000) CHECK_EQ(mc_stats_of(mc)->missed, 0);
-  }
-}
-
 TEST(test_pass_enabled, "DRV-7 SRV-1 DRV-11") {
   struct mc *mc = mock_open(&m, 1);
   CHECK_EQ(enable(mc), 0);
@@ -284,30 +250,4 @@ TEST(test_missed_are_counted_exactly, "DRV-7") {
   mock_run(&m, 1000);
   CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
   CHECK_EQ(stats->missed - missed, 79);
-}
-
-TEST(test_set_encoder_traffic, "DRV-10") {
-  struct mc *mc = mock_open(&m, 1);
-  m.logging = 1;
-  call(mc, MSETENC, 0xFF9C01);
-  TRAFFIC(R(0x005), R(0x00D), R(0x00F), R(0x005), R(0x00D), R(0x00F), /* where it was */
-          R(0x005), W(0x00D, 0xFF), W(0x00F, 0x9C),                   /* port C: a new pair */
-          R(0x005), R(0x00D), R(0x00F), R(0x005), R(0x00D), R(0x00F));
-  mock_run(&m, 4100);
-  CHECK_EQ(mc_state_of(mc, 1)->encnow, -100);
-  m.card[0].count[1] = (uint16_t)(m.card[0].count[1] - 32700); /* through the wrap */
-  mock_run(&m, 2000);
-  m.card[0].count[1] = (uint16_t)(m.card[0].count[1] - 32700);
-  mock_run(&m, 2000);
-  CHECK_EQ(mc_state_of(mc, 1)->encnow, -100 - 65400);
-}
-
-TEST(test_new_interval_at_any_phase_misses_nothing, "DRV-7") {
-  struct mc *mc = mock_open(&m, 1);
-  for (int phase = 0; phase < 2000; phase += 37) {
-    mock_run(&m, 20000 + phase);
-    call(mc, MSETINTERVAL, 2000);
-    mock_run(&m, 8000);
-    CHECK_EQ(mc_stats_of(mc)->missed, 0);
-  }
 }

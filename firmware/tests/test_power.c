@@ -53,26 +53,6 @@ TEST(test_enable_traffic, "DRV-9 PAN-2") {
   CHECK_EQ(m.releases, 1);
 }
 
-TEST(test_an_enabled_machine_starts_afresh_at_enable, "DRV-9 DRV-10") {
-  struct mc *mc = opened(1);
-  CHANGE(mc, 0, par.mode = MD_POS | ZEROFB, par.b1 = -1, par.clkdivisor = 5); /* an integrator */
-  set_mode(mc, 1, MD_POS);
-  CHECK_EQ(enable(mc), 0);
-  DEMAND(mc, 5);
-  m.card[0].count[1] = 33; /* axis 1 was pushed; nobody wrote it */
-  mock_run(&m, 30100);
-  CHECK_EQ(mc_state_of(mc, 0)->inow, 15);
-  CHECK_EQ(mc_setpoint(mc, 1), 0);
-  CHECK_EQ(enable(mc), 0);
-  mock_run(&m, 2000); /* at once, not after its five SCLOCKs */
-  CHECK_EQ(mc_state_of(mc, 0)->inow, 0);
-  CHECK_EQ(mc_setpoint(mc, 0), 0);
-  CHECK_EQ(mc_setpoint(mc, 1), 33);
-  m.card[0].present = 0;
-  CHECK_EQ(enable(mc), -MC_EIO);
-  CHECK(strstr(said, "mc: enable: card 0 does not answer\n") != NULL);
-}
-
 /* The low byte is written only where the heartbeat lives: a dead one must not start again. */
 TEST(test_stop_traffic, "DRV-6 DRV-9 PAN-2") {
   for (unsigned live = 0; live < 16; live++) {

@@ -95,23 +95,6 @@ TEST(test_joints_that_come_and_go, "DRV-3 DRV-6") {
   CHECK(!mock_panic(&m)); /* enabled all the same */
 }
 
-TEST(test_joints_that_stay_notice_nothing, "DRV-3") {
-  struct mc *mc = mock_open(&m, 2);
-  for (int axis = 0; axis < 2; axis++) {
-    CHANGE(mc, axis, par.mode = MD_POS | ZEROFB, par.b1 = -1);
-  }
-  call(mc, MENABLE, 0);
-  DEMAND(mc, 1, 2);
-  mock_pass(&m);
-  int32_t a = mc_state_of(mc, 0)->inow, b = mc_state_of(mc, 1)->inow;
-  for (int i = 1; i < 8; i++) {
-    call(mc, MSETNUMJOINTS, 2 + i % 3);
-    mock_pass(&m);
-    CHECK_EQ(mc_state_of(mc, 0)->inow, a + i); /* the integrators go on */
-    CHECK_EQ(mc_state_of(mc, 1)->inow, b + 2 * i);
-  }
-}
-
 /* --- parameters ------------------------------------------------------------------------------ */
 
 TEST(test_a_change_of_mode_forgets_the_setpoint_under_power_only, "DRV-9 SRV-6") {

@@ -122,15 +122,6 @@ TEST(test_an_open_does_not_find_a_lost_count_again, "DRV-13 DRV-2") {
   CHECK_EQ(enable_anew(mc), -MC_EIO);
 }
 
-TEST(test_enable_without_cable_says_nothing_of_a_reset, "DRV-12") {
-  struct mc *mc = at(listening(2), 1, 100000);
-  cable(0);
-  mock_run(&m, 5000);
-  CHECK_EQ(enable_anew(mc), -MC_EIO);
-  SAID("mc: enable: card 0 does not answer\n");
-  CHECK_EQ(mc_state_of(mc, 1)->encnow, 100000);
-}
-
 TEST(test_a_bus_error_is_told_once, "DRV-13") {
   for (int enabled = 0; enabled < 2; enabled++) {
     struct mc *mc = listening(1);

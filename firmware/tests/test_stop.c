@@ -207,14 +207,6 @@ TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
   }
 }
 
-TEST(test_slow_interval_panics, "DRV-9") {
-  struct mc *mc = mock_open(&m, 1);
-  call(mc, MSETINTERVAL, 80000);
-  call(mc, MENABLE, 0);
-  mock_run(&m, 80000);
-  CHECK_EQ(errcode_of(&m, 0), MERR_PANIC);
-}
-
 /* The PANIC that the end of our own heartbeats makes 50 ms later costs no sample, nor does one of
  * the button while the machine is at rest. */
 TEST(test_a_panic_at_rest_costs_no_sample, "DRV-7 DRV-9") {

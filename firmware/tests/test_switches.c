@@ -165,25 +165,6 @@ TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
   }
 }
 
-TEST(test_double_buffering, "DRV-12") {
-  struct mc *mc = mock_open(&m, 2);
-  call(mc, MENABLE, 0);
-  m.logging = 1;
-  m.on_access = traffic_of_process;
-  call(mc, MDACMODE, 0x100); /* anything but 0 */
-  call(mc, MDACMODE, 1);     /* it is so already: no access */
-  TRAFFIC(W(0x003, 0x0F), W(0x043, 0x0F));
-  m.used = 0;
-  call(mc, MDACMODE, 0);
-  TRAFFIC(W(0x003, 0x07), W(0x043, 0x07));
-  call(mc, MDACMODE, 1);
-  CHECK_EQ(mc_ioctl(mc, 0, MSTOP, NULL), 0);
-  CHECK_EQ(m.card[0].b, 5); /* not while stopped */
-  mock_run(&m, 100000);
-  call(mc, MENABLE, 0);
-  CHECK_EQ(m.card[0].b, 0x0F); /* but again as asked for */
-}
-
 TEST(test_every_counter_of_the_statistics, "DRV-3") {
   struct mc *mc = mock_open(&m, 1);
   struct mc_stats stats;
