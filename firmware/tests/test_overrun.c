@@ -62,21 +62,6 @@ TEST(test_a_servo_that_computes_no_more_stops_the_machine, "DRV-7 DRV-9") {
   }
 }
 
-TEST(test_a_break_in_time_is_forgiven, "DRV-9") {
-  for (int divisor = 1; divisor < 4; divisor++) {
-    struct mc *mc = started(MD_VEL, MD_POS, divisor);
-    for (int round = 0; round < 5; round++) {
-      slow = 2000;
-      mock_run(&m, 20000);
-      slow = 0;
-      mock_run(&m, 12000);
-      CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
-      CHECK(mc_is_enabled(mc));
-    }
-    CHECK(mc_stats_of(mc)->overrun > 20);
-  }
-}
-
 /* Nothing is computed for axes that are off: MSETDAC's code is held as ever. */
 TEST(test_axes_that_are_off_are_not_due, "DRV-9 DRV-12") {
   for (int one = 0; one < 2; one++) { /* nor are those beyond the joints */

@@ -85,30 +85,6 @@ TEST(test_converters_are_waited_for_40_reads, "DRV-11") {
   }
 }
 
-TEST(test_the_first_pass_is_a_sample_of_all_axes, "DRV-2 SRV-1") {
-  struct mc *mc = listening(2);
-  for (int round = 0; round < 2; round++) {
-    for (int axis = 0; axis < 4; axis++) {
-      m.card[axis / 2].count[axis & 1] = (uint16_t)(300 * (round + 1) + axis);
-    }
-    mock_pass(&m);
-    for (int axis = 0; axis < 4; axis++) {
-      const struct mc_state *state = mc_state_of(mc, axis);
-      CHECK_EQ(state->fbnow, 300 * (round + 1) + axis);
-      CHECK_EQ(state->encnow, 300 * (round + 1) + axis);
-      CHECK_EQ(state->vel, 0); /* at rest, wherever it is */
-      CHECK_EQ(state->errcode, 0);
-    }
-    struct mc_param par = {.which = 3, .b0 = 1, .clkdivisor = 25};
-    CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), 0);
-    mock_run(&m, 50000);
-    error_raise(mc, 2, MERR_PLO);
-    CHECK_EQ(mc_close(mc, 0), 0);
-    m.card[1].count[0] = 5000;
-    CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-  }
-}
-
 /* These axes, the upper two upward and the others downward. */
 static void move_all(unsigned axes, int by) {
   for (unsigned axis = 0; axis < 4; axis++) {

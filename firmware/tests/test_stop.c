@@ -146,29 +146,6 @@ TEST(test_the_last_writer_stops_the_machine, "DRV-2 DRV-9") {
   TRAFFIC(W(0x409, 0x18));
 }
 
-/* The law that an axis had before the stop is not what MD_OFF runs. */
-TEST(test_no_error_of_the_old_mode_after_a_stop, "DRV-6 SRV-6") {
-  static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_TEST1};
-  for (int i = 0; i < 8; i++) {
-    struct mc *mc = listening(1);
-    CHANGE(mc, 0, par.mode = modes[i / 2], par.ilim = 30, par.ilimax = 3, par.a0 = 500);
-    CHECK_EQ(enable(mc), 0);
-    CHECK_EQ(i & 1 ? mc_halt(mc) : mc_ioctl(mc, 0, MSTOP, NULL), 0);
-    m.card[0].count[0] = 2000;
-    mock_run(&m, 70000);
-    CHECK_EQ(enable(mc), 0);
-    DEMAND(mc, 100);
-    for (int pass = 0; pass < 50; pass++) {
-      m.card[0].count[0] = (uint16_t)(m.card[0].count[0] + 3);
-      mock_run(&m, 2000);
-      CHECK_EQ(mc_state_of(mc, 0)->errcode, 0);
-      CHECK_EQ(mc_state_of(mc, 0)->error, 0);
-      CHECK_EQ(mock_dac(&m, 0), 0x800);
-    }
-    CHECK_EQ(m.signals[0], 0);
-  }
-}
-
 /* Nothing written before an enable moves anything after it, whatever ended the one before. */
 TEST(test_enable_moves_nothing_before_a_new_demand, "DRV-6 DRV-9") {
   static const int modes[] = {MD_POS, MD_VEL, MD_TORQ, MD_POS | ZEROFB, MD_POS | ADFB};
