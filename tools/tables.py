@@ -3,7 +3,7 @@
 
 sim/abi/inputs.def: inputs of [[event]], in the manual. firmware/include/requests.def: requests, in
 mcdef.h and the manual. mcdef.h: the names of its fields, in sim/service; those of mc_param, modes,
-flags and errors, in the page.
+flags and errors, in the page. bfm: the rows of the data sheets, in their page.
 """
 
 import argparse
@@ -16,6 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from cocotbext.conformance import CHIPS  # noqa: E402
+
 from mmcs import inputs, mcdef  # noqa: E402
 from tools.pages import splice  # noqa: E402
 
@@ -24,6 +26,7 @@ DRIVER = ROOT / "docs" / "use" / "driver.md"
 NAMES = ROOT / "sim" / "service" / "asked.h"
 PAGE = ROOT / "web" / "params.js"
 SCENARIOS = ROOT / "docs" / "use" / "scenarios.md"
+SHEETS = ROOT / "docs" / "hardware" / "conformance.md"
 SIZES = {"int": "MC_INT", "unsigned int": "MC_INT", "struct mc_param": "MC_PARAM",
          "struct mc_stats": "MC_STATS", "-": ""}  # fmt: skip
 WAYS = {"none": (), "in": ("MC_ARG_IN",), "out": ("MC_ARG_OUT",),
@@ -79,6 +82,30 @@ def driver_table() -> str:
     return "\n".join(lines)
 
 
+def sheets() -> str:
+    """Ports and rows of each chip of the conformance kit."""
+    lines = []
+    for chip, kind in CHIPS.items():
+        both = kind(kind.VARIANTS[-1]).ports()
+        inputs, outputs = ([f"`{name}`" + f" [{width}]" * (width > 1) for name, width in p.values()]
+                           for p in both)  # fmt: skip
+        variants = ", ".join(f"`{name}`" for name in kind.VARIANTS if name)
+        lines += [
+            f"## {chip}",
+            "",
+            kind.SHEET + f". Variants: {variants}" * bool(variants) + ".",
+            "",
+        ]
+        lines += [f"Inputs: {', '.join(inputs)}. Outputs: {', '.join(outputs)}.", ""]
+        lines += ["| section | rows |", "|---|---|"]
+        for section in dict.fromkeys(row.section for row in kind.ROWS):
+            rows = [row.words + f" ({', '.join(row.only)})" * bool(row.only)
+                    for row in kind.ROWS if row.section == section]  # fmt: skip
+            lines.append(f"| {section} | {'; '.join(rows)} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
 def between(text: str, begin: str, end: str, content: str) -> str:
     """The text with this between two lines."""
     pattern = re.escape(begin) + r"\n.*?" + re.escape(end)
@@ -95,6 +122,7 @@ def pages() -> dict[Path, str]:
         DRIVER: splice(DRIVER.read_text(), "requests", driver_table()),
         NAMES: between(NAMES.read_text(), *fields, names()),
         PAGE: between(PAGE.read_text(), *numbers, page_numbers()),
+        SHEETS: splice(SHEETS.read_text(), "rows", sheets()),
         SCENARIOS: splice(SCENARIOS.read_text(), "inputs", inputs.table()),
     }
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Script words for the A/D, the D/A and the one-shot, which share one bench."""
 
+from cocotbext import conformance
+
 from cocotb_tests.chips.replay import ANALOG, Layout, Script
 from cocotb_tests.models import ad574, ad667, oneshot
 
@@ -66,3 +68,12 @@ class Analog(Script):
     def load(self, a_n: int, data: int) -> None:
         self.step(da_cs_n=0, da_a_n=a_n, da_d=data)
         self.step(da_cs_n=1, da_a_n=15, da_d=~data & 0xFFF)
+
+
+class Shot(Analog, conformance.OneShot):
+    """The one-shot alone, by the names of its pins."""
+
+    PULSE = PULSE
+
+    def step(self, clocks: int = 1, **pins) -> None:
+        super().step(clocks, **{f"os_{name}": level for name, level in pins.items()})

@@ -4,8 +4,17 @@
 import os
 import random
 
-from cocotb_tests.chips.analog import CONV, IDLE, IN, OUTS, PULSE, Analog, Models
-from cocotb_tests.chips.replay import ANALOG, QUICK_OPS, Bench, Layout, Scripts, mismatch, script
+from cocotb_tests.chips.analog import CONV, IDLE, IN, OUTS, PULSE, Analog, Models, Shot
+from cocotb_tests.chips.replay import (
+    ANALOG,
+    QUICK_OPS,
+    Bench,
+    Layout,
+    Scripts,
+    mismatch,
+    rows,
+    script,
+)
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import ad574
 
@@ -114,11 +123,6 @@ class Heartbeat(Scripts, of=Analog, req="HB-1"):
     oneshot_lasts_exactly = """
         expect('low at power-up', q=0) step(os_trig=1) seen(q=0) expect(q=1)
         step(PULSE - 1, os_trig=0) expect('last clock', q=1) step() expect('over', q=0)"""
-    oneshot_triggers_on_the_edge_only = """
-        step(PULSE, os_trig=1) expect(q=1) step(3) expect('level does not prolong', q=0)"""
-    oneshot_retrigger_extends = """
-        step(os_trig=1) step(9, os_trig=0) step(os_trig=1) step(PULSE - 1, os_trig=0)
-        expect('full length from the last trigger', q=1) step() expect(q=0)"""
 
     def oneshot_trigger_in_the_last_clock_has_no_glitch(s):
         s.step(os_trig=1)
@@ -131,10 +135,9 @@ class Heartbeat(Scripts, of=Analog, req="HB-1"):
 
     oneshot_trigger_one_clock_late_drops_once = """
         step(os_trig=1) step(PULSE, os_trig=0) expect(q=0) step(os_trig=1) expect(q=1)"""
-    oneshot_clear_ends_and_inhibits = """
-        step(os_trig=1) step(3, os_trig=0) step(os_clr_n=0) expect('ended', q=0) step(os_trig=1)
-        step(2, os_trig=0) expect('inhibited', q=0) step(2, os_clr_n=1) expect(q=0)
-        step(os_trig=1) expect('works again', q=1)"""
+
+
+rows(__name__, Shot, lambda row: "HB-1")
 
 
 def random_words(seed: str, clocks: int) -> list[int]:

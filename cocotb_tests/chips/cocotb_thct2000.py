@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: Apache-2.0
-# Length: many short cases of one block, read one at a time.
 """The THCT2000 encoder chip: eight modes, latch, coherent reads, speed, random. §5.3.1-5.3.2."""
 
 import os
@@ -14,6 +13,7 @@ from cocotb_tests.chips.replay import (
     ModelDut,
     Scripts,
     mismatch,
+    rows,
 )
 from cocotb_tests.lib.req import test
 from cocotb_tests.models import thct2000
@@ -22,39 +22,13 @@ TOPLEVEL = "bench_chips"
 SOURCES = ("bench_chips.sv",)
 
 
-def discriminator(s: Encoder, mode: int, up: tuple[int, int, int, int]) -> None:
-    """`up[k]`: does the k-th transition of an upward turn count in this mode."""
-    s.step(2, m=mode)
-    want = 0
-    for _ in range(2):
-        for k in range(4):
-            s.turn(1)
-            want += up[k]
-            s.count(want, f"up, transition {k}")
-    for _ in range(3):
-        for k in (3, 2, 1, 0):
-            s.turn(-1)
-            want -= up[k]
-            s.count(want, f"down, transition {k}")
+rows(__name__, Encoder, lambda row: "ENC-1" if row.section[:6] == "§5.3.1" else "ENC-2")
 
 
 class Counting(Scripts, of=Encoder, req="ENC-1"):
-    mode5_counts_up_when_a_leads = "turn(8) count(8)"
-    mode5_counts_down_when_b_leads = "turn(-8) count(-8)"
-
-    def mode5_every_edge_counts_once(s):
-        for n in range(1, 10):
-            s.turn(1)
-            s.count(n)
-        for n in range(8, -5, -1):
-            s.turn(-1)
-            s.count(n)
-
     # A transition every other clock of 8 MHz, both ways, none lost
     four_million_counts_a_second = """
         turn(2000, clocks=2) count(2000) turn(-3000, clocks=2) count(-1000)"""
-    wraps_upward = "init(0xFFFE) turn(1) count(0xFFFF) turn(1) count(0) turn(1) count(1)"
-    wraps_downward = "init(1) turn(-1) count(0) turn(-1) count(0xFFFF) turn(-1) count(0xFFFE)"
     both_inputs_at_once_count_nothing = """
         expect(illegal=0) step(3, a=1, b=1) step(3, a=0, b=0) step(3, a=1, b=1) step(3, a=0, b=0)
         step(3, a=1, b=1) step(3, a=0, b=0) step(3, a=1, b=1) step(3, a=0, b=0) count(0)
@@ -70,35 +44,6 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
             s.expect(f"mode {mode}", illegal=int(mode not in (0, 6, 7)))
             s.step(2, reset=1)
             s.step(1, reset=0)
-
-    def all_illegal_transitions(s):
-        want = 0
-        for first in range(4):
-            while s.phase != first:
-                s.turn(1)
-                want += 1
-            a, b = GREY[first]
-            s.step(4, a=1 - a, b=1 - b)
-            s.step(4, a=a, b=b)
-            s.count(want, f"from {GREY[first]}")
-
-    def mode0_holds(s):
-        discriminator(s, 0, (0, 0, 0, 0))
-
-    def mode1_counts_a_while_b_is_low(s):
-        discriminator(s, 1, (1, 0, 0, 0))
-
-    def mode2_counts_a_while_b_is_high(s):
-        discriminator(s, 2, (0, 0, 1, 0))
-
-    def mode3_counts_both_edges_of_a(s):
-        discriminator(s, 3, (1, 0, 1, 0))
-
-    def mode4_counts_both_edges_of_b(s):
-        discriminator(s, 4, (0, 1, 0, 1))
-
-    def mode5_counts_all_edges(s):
-        discriminator(s, 5, (1, 1, 1, 1))
 
     mode6_measures_an_interval = """
         step(2, m=6) step(7, a=1) step(6, a=0) expect('starts anew', count=0)
@@ -119,19 +64,6 @@ class Counting(Scripts, of=Encoder, req="ENC-1"):
             s.step(3, a=1)
             s.step(3, a=0)
             s.count(0, "not while B is low")
-
-    mode_change_keeps_the_count = """
-        turn(7) settle() step(5, m=0) count(7, 'mode 0') settle() step(5, m=1) count(7, 'mode 1')
-        settle() step(5, m=2) count(7, 'mode 2') settle() step(5, m=3) count(7, 'mode 3')
-        settle() step(5, m=4) count(7, 'mode 4') settle() step(5, m=5) count(7, 'mode 5')"""
-    reset_clears = """
-        init(0x1234) latch() step(4, reset=1) expect(count=0) step(2, reset=0) turn(2) settle()
-        value(2, 'the latch flag is gone too')"""
-    turning_in_reset_counts_nothing = """
-        step(2, reset=1) turn(5, clocks=2) settle() step(2, reset=0) count(0)"""
-    bus_floats_unless_read = """
-        init(0) step(2, cs_n=1, rd_n=0) seen(oe=0, d_o=0xFF) step(2, cs_n=0, rd_n=1)
-        seen(oe=0, d_o=0xFF) step(cs_n=1)"""
 
 
 @test("ENC-2")
@@ -242,59 +174,14 @@ async def reset_ends_a_pair(dut):
 
 
 class Bytes(Scripts, of=Encoder, req="ENC-2"):
-    written_value_is_read = """
-        init(0x1234) expect(count=0x1234) value(0x1234) init(0xFFFF) expect(count=0xFFFF)
-        value(0xFFFF) init(0x8001) expect(count=0x8001) value(0x8001) init(0) expect(count=0)
-        value(0)"""
-    written_lsb_first = """
-        init(0x1234, first=LSB) value(0x1234, first=LSB) init(0xA55A, first=LSB)
-        value(0xA55A, first=LSB)"""
     a_byte_written_is_stored_at_once = """
         init(0x1111) write(MSB, 0x22) expect(count=0x2211) other() write(LSB, 0x33)
         expect(count=0x2233) turn(1) settle() write(LSB, 0x44)
         expect('again the same byte', count=0x2244)"""
-    # MSB read, then the count passes a byte border, then LSB: both of one sample
-    read_while_running_is_coherent = """
-        init(0x12FF) read(MSB, 0x12) turn(3) settle() read(LSB, 0xFF) value(0x1302, 'live')"""
-    read_lsb_first_is_coherent = """
-        init(0x1300) read(LSB, 0x00) turn(-1) settle() read(MSB, 0x13) value(0x12FF, first=LSB)"""
-    data_stands_still_during_a_read = """
-        init(0x00FE) read(MSB, 0) read(LSB, 0xFE) step(3, cs_n=0, rd_n=0, rs=MSB) turn(1)
-        seen('while the count runs', d_o=0) turn(1) seen('while the count runs', d_o=0) turn(1)
-        seen('while the count runs', d_o=0) turn(1) seen('while the count runs', d_o=0) turn(1)
-        seen('while the count runs', d_o=0) turn(1) seen('while the count runs', d_o=0)
-        step(2, cs_n=1, rd_n=1) read(LSB, 0xFE)"""
-    a_byte_read_again_samples_again = """
-        init(0x10FF) read(MSB, 0x10) turn(1) settle() read(MSB, 0x11) turn(-1) settle()
-        read(LSB, 0x00, 'of the second sample') value(0x10FF)"""
-
-    def a_lone_byte_followed_by_the_other_takes_the_earlier_sample(s):
-        """What remains: nothing came between to tell that they are no pair."""
-        s.init(0x40FF)
-        s.read(LSB, 0xFF)
-        s.turn(1)
-        s.settle()
-        s.read(MSB, 0x40, "of the lone byte's sample")
-        s.read(LSB, 0x00, "a new pair")
-        s.read(MSB, 0x41)
-
-    write_touches_no_latch = """
-        init(77) latch() init(500) value(77, 'the latch survives a write') value(500)"""
-    first_read_after_a_latch_gives_the_latched_count = """
-        init(100) latch() turn(7) settle() value(100, 'latched') value(107, 'live')"""
-    second_latch_overwrites = """
-        init(100) latch() turn(5) settle() latch() turn(5) settle() value(105) value(110)"""
     # Each clock of the latch input is an event of its own: the later one stands
     latches_of_neighbouring_clocks_both_act = """
         init(50) turn(1, clocks=3) step(latch=1) step(latch=1) step(latch=0) settle()
         value(51, 'the second, which saw the edge') turn(3) settle() value(54, 'live')"""
-    latch_between_the_bytes_waits_for_the_next_pair = """
-        init(0x10FF) read(MSB, 0x10) turn(1) settle() latch() turn(5) settle() read(LSB, 0xFF)
-        value(0x1100, 'the latched one') value(0x1105, 'live')"""
-    latch_during_a_read_is_not_lost = """
-        init(0x2000) read(MSB, 0x20) read(LSB, 0x00) step(2, cs_n=0, rd_n=0, rs=MSB)
-        step(2, latch=1) step(2, cs_n=1, rd_n=1, latch=0) read(LSB, 0x00) turn(3) settle()
-        value(0x2000, 'latched during the read') value(0x2003)"""
 
 
 @test("ENC-2", "LAT-1")

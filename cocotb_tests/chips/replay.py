@@ -6,15 +6,16 @@ every directed case checks both.
 """
 
 import os
-import re
 import sys
 from collections.abc import Callable
-from functools import partial, wraps
+from functools import wraps
 from pathlib import Path
 
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge
 from cocotb.utils import get_sim_time
+from cocotbext import conformance
+from cocotbext.conformance import Row
 
 from cocotb_tests.lib.req import test
 
@@ -113,15 +114,14 @@ def mismatch(layout: Layout, want, got: int) -> str | None:
     return "; ".join(wrong) or None
 
 
-class Script:
-    """Pins over time with expectations. Subclasses name the chip's pins, model and idle state."""
+class Script(conformance.Script):
+    """A script as clocked words. Subclasses name the bench's chip, pins, model and idle state."""
 
     CHIP: int
-    PINS = OUTS = ()
-    IDLE: dict = {}
     VARIANT = 0
 
-    def __init__(self) -> None:
+    def __init__(self, variant: str = "") -> None:
+        super().__init__(variant)
         self.layout_in, self.layout_out = Layout(self.PINS), Layout(self.OUTS)
         self.now = dict(self.IDLE)
         self.words: list[int] = []
@@ -144,18 +144,8 @@ class Script:
         """What the outputs are in the last clock itself, before its edge."""
         self.checks.append((len(self.words) - 1, outs, note))
 
-    def word(self, word: str) -> None:
-        """A word of play() that is no call."""
-        raise ValueError(f"{word!r} is no word of these scripts")
-
-    def play(self, text: str) -> None:
-        """Calls of a script's functions one after the other, `program(0, 4) pulse(3)`."""
-        names = vars(sys.modules[type(self).__module__])
-        for call, word in re.findall(r"(\w+\([^)]*\))|(\S+)", text):
-            if call:
-                eval(f"s.{call}", names, {"s": self})
-            else:
-                self.word(word)
+    def floats(self, note: str = "") -> None:
+        self.seen(note, d_o=0xFF, oe=0)
 
     async def run(self, dut) -> None:
         assert self.checks, "a script without an expectation proves nothing"
@@ -167,10 +157,8 @@ class Script:
         else:
             responses = await bench.replay(self.words, self.VARIANT)
         for at, outs, note in self.checks:
-            got = self.outputs(responses[at])
-            wrong = [f"{k}: expected {v:#x}, got {got.get(k)}" for k, v in outs.items()
-                     if got.get(k) != v]  # fmt: skip
-            assert not wrong, f"{bench.clock_at(at)} {note}: {'; '.join(wrong)}"
+            wrong = self.wrong(outs, self.outputs(responses[at]))
+            assert not wrong, f"{bench.clock_at(at)} {note}: {wrong}"
 
     def outputs(self, response) -> dict:
         """A response as named outputs; the model's is a dict already where parts are undefined."""
@@ -196,14 +184,21 @@ class Scripts:
     """Its functions and texts are tests of the module, each as by script(of, req, **settings)."""
 
     def __init_subclass__(cls, of: type[Script], req: str, **settings):
-        module = sys.modules[cls.__module__]
         for name, fill in [*vars(cls).items()]:
-            if name.startswith("__"):
-                continue
-            if isinstance(fill, str):
-                filler = partial(of.play, text=fill)
-                filler.__name__, filler.__module__ = name, cls.__module__
-            else:
-                filler = fill
-            filler.__qualname__ = name
-            setattr(module, name, script(of, *req.split(), **settings)(filler))
+            if not name.startswith("__"):
+                _add(cls.__module__, Row(name, "", fill, (), False), of, *req.split(), **settings)
+
+
+def rows(module: str, kind: type[Script], req: Callable[[Row], str]) -> None:
+    """The chip's rows of the conformance kit are tests of this module; `req` gives their ids."""
+    for row in kind.ROWS:
+        _add(module, row, kind, *req(row).split(), variant=row.only[0] if row.only else "")
+
+
+def _add(module: str, row: Row, kind: type[Script], *ids: str, **settings) -> None:
+    def fill(s: Script) -> None:
+        row.put(s)
+
+    fill.__name__ = fill.__qualname__ = row.name
+    fill.__module__, fill.__doc__ = module, row.section
+    setattr(sys.modules[module], row.name, script(kind, *ids, **settings)(fill))

@@ -13,7 +13,7 @@ from cocotb_tests.chips.replay import ModelDut
 from cocotb_tests.lib.req import REQ
 
 CASES = []
-for _name in ("analog", "i8254_bus", "i8254_modes", "i8255", "thct2000"):
+for _name in ("analog", "i8254", "i8255", "thct2000"):
     _module = importlib.import_module(f"cocotb_tests.chips.cocotb_{_name}")
     for _test in vars(_module).values():
         _func = getattr(_test, "func", None)

@@ -28,7 +28,7 @@ SHORT = {"HeartbeatUs": 100, "RelayUs": 20}
 # another: with its parameters.
 TOPS = {
     "i8254": (
-        ["chips.cocotb_i8254_modes", "chips.cocotb_i8254_bus", "chips.cocotb_i8254_random"],
+        ["chips.cocotb_i8254", "chips.cocotb_i8254_random"],
         {"chips/i8254": ({}, 60), "chips/i8254_counter": ({}, 170)},
     ),
     "i8255": (["chips.cocotb_i8255"], {"chips/i8255": ({}, 120)}),

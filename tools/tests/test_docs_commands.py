@@ -28,7 +28,10 @@ CARRIED = {
     "docs/use/device.md": ({"python"}, "mmcs/tests/test_device_programs.py"),
     "docs/simulator/simulator.md": ({"c"}, "tools/tests/test_docs_commands.py"),
     "labs/README.md": ({"python"}, "labs/tests/conftest.py"),
-}
+    "bfm/cocotbext/conformance/README.md": (
+        {"sh", "systemverilog"}, "cocotb_tests/bfm/test_conformance.py"
+    ),
+}  # fmt: skip
 LANGUAGES = {"sh", "c", "python", "systemverilog", "toml", "json", "text"}
 WHOLE = re.compile(r"^(cc|g\+\+|iverilog) ", re.M)  # fences that are run from first line to last
 START = re.compile(r"make|mmcs|\.ci/run|\. \.venv/bin/activate|\.venv/bin/\S+|python|pytest|cc")
