@@ -87,13 +87,6 @@ def table(title: str, head: tuple[str, ...], rows: list[tuple[str, ...]], left: 
     ])  # fmt: skip
 
 
-def cell(text: str, style: str = ""):
-    """Of a table."""
-    from rich.text import Text
-
-    return Text(one_line(text), style)
-
-
 def prepare() -> None:
     """Standard files that are closed become nothing; a locale without Unicode becomes UTF-8."""
     for number in range(3):

@@ -9,9 +9,7 @@ LEAST_PHASE_DEG = 20
 
 
 def show_setup(setup: Setup) -> None:
-    from rich.table import Table
-
-    from mmcs.screen import cell, console, echo
+    from mmcs.screen import echo, table
 
     scenario, robot = setup.scenario, setup.robot
     echo(f"{setup.name}: {scenario.description}")
@@ -30,16 +28,14 @@ def show_setup(setup: Setup) -> None:
         f"  host: {host.cpu_us_per_axis:.4g} us per axis, interrupt latency 0 to "
         f"{host.latency_max_us:g} us, bus timer {host.bus_timeout_us:g} us"
     )
-    table = Table("", box=None)
-    for axis in range(setup.axes):
-        table.add_column(cell(f"{axis} {robot.axis_name(axis)}".strip()))
+    rows = []
     for key in SERVO_DEFAULTS:
         values = [params[key] for params in setup.params]
-        texts = [" ".join(v) if isinstance(v, list) else str(v) for v in values]
-        if any(params[key] != SERVO_DEFAULTS[key] for params in setup.params):
-            table.add_row(key, *texts)
+        if any(value != SERVO_DEFAULTS[key] for value in values):
+            rows.append((key, *(" ".join(v) if isinstance(v, list) else str(v) for v in values)))
     if not scenario.program:  # which sets servos itself
-        console().print(table)
+        names = (f"{axis} {robot.axis_name(axis)}".strip() for axis in range(setup.axes))
+        echo(table("  servo parameters by axis", ("", *names), rows, left=1))
     for segment in setup.segments:
         target = f" to {segment['to']:g}" if "to" in segment else ""
         lasting = f" in {segment['duration']:g} s" if segment["duration"] else ""
