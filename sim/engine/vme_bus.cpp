@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// VME cycles, literally: address first, strobes a clock later, release after DTACK*. §4.3.
+// VME cycles of the host, with time-out and bus error. §4.3.
 
 #include "vme_bus.h"
 
@@ -8,8 +8,6 @@
 namespace mmcs {
 namespace {
 
-// Longest that a slave may hold DTACK* after the strobes went high, before the master goes on.
-constexpr int64_t kReleaseClks = 256;
 // Strobes stay low for so long before an injected BERR* ends the cycle.
 constexpr int64_t kInjectedErrorClks = 4;
 constexpr unsigned kAmAcknowledge = 0x2D;  // not looked at while IACK* is low
@@ -19,10 +17,11 @@ constexpr unsigned kAmAcknowledge = 0x2D;  // not looked at while IACK* is low
 VmeBus::VmeBus(Machine &machine, double timeout_us)
     : machine_(machine), timeout_clks_(machine.clocks((timeout_us > 0 ? timeout_us : 16) * 1e-6)) {}
 
-void VmeBus::release() {
-  machine_.model().pins().vme_release();
-  machine_.advance(kReleaseClks, Watch::kDtackHigh);
-  machine_.advance(1, Watch::kNothing);
+// Lets clocks pass for a cycle that is made clock by clock (Model::clock_by_clock()).
+static bool advance(Machine &machine, int64_t n, int dtack) {
+  return machine.advance(n, dtack < 0   ? Watch::kNothing
+                            : dtack > 0 ? Watch::kDtackHigh
+                                        : Watch::kDtackLow);
 }
 
 BusResult VmeBus::fail(BusResult result, uint32_t address) {
@@ -34,46 +33,45 @@ BusResult VmeBus::fail(BusResult result, uint32_t address) {
   return result;
 }
 
-void VmeBus::keep(int64_t begin, int64_t end, int kind, const Cycle &c, BusResult answer) {
+void VmeBus::keep(int64_t begin, int64_t end, int kind, const Model::BusRequest &c,
+                  BusResult answer) {
   if (!watched_) return;
   kept_.push_back({begin, end, c.address, c.data, static_cast<int32_t>(c.am),
                    static_cast<int32_t>(c.ds), kind, static_cast<int32_t>(answer)});
 }
 
-BusResult VmeBus::cycle(const Cycle &c, unsigned *data) {
+BusResult VmeBus::cycle(const Model::BusRequest &c, unsigned *data) {
   if (machine_.host_dead()) return BusResult::kTimeout;
   Model &model = machine_.model();
   const int64_t begin = machine_.clock();
   const int kind = c.write ? MMCS_BUS_WRITE : MMCS_BUS_READ;
   ++cycles_;
+  BusResult result = BusResult::kOk;
+  const auto answered = [&](const Model::BusReply &reply) {
+    if (result == BusResult::kError) return keep(begin, reply.answered, kind, c, result);
+    *data = reply.data;
+    const unsigned moved = c.write ? c.data : reply.data;
+    Hash &trail = machine_.trail();
+    trail.add(static_cast<uint64_t>(reply.answered));
+    trail.add((static_cast<uint64_t>(c.address) << 32) | (uint64_t{c.write} << 63) |
+              (c.write || result == BusResult::kOk ? moved : 0x10000u));
+    keep(begin, reply.answered, kind, {c.address, c.am, c.ds, c.write, moved, 0}, result);
+  };
   Model::BusReply reply;
-  const bool as_one_step =
-      machine_.bus_cycle({c.address, c.am, c.ds, c.write, c.data, 0, timeout_clks_}, &reply);
-  bool answered = true;
-  if (!as_one_step) {
-    model.pins().vme_address(c.address, c.am, c.write, false, c.data);
-    machine_.advance(1, Watch::kNothing);
-    model.pins().vme_strobe(c.ds);
-    if (machine_.take_bus_error()) {
-      machine_.advance(kInjectedErrorClks, Watch::kNothing);
-      keep(begin, machine_.clock(), kind, c, BusResult::kError);
-      release();
-      return fail(BusResult::kError, c.address);
-    }
-    answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
-    reply = {model.pins().vme_data(model.vme_sample() & 0xFFFF), machine_.clock(), 0};
+  if (machine_.bus_cycle(c, &reply)) {
+    answered(reply);
+    return result;
   }
-  *data = reply.data;
-  Hash &trail = machine_.trail();
-  trail.add(static_cast<uint64_t>(reply.answered));
-  trail.add((static_cast<uint64_t>(c.address) << 32) | (uint64_t{c.write} << 63) |
-            (c.write    ? c.data
-             : answered ? *data
-                        : 0x10000u));
-  keep(begin, reply.answered, kind, {c.address, c.am, c.ds, c.write, c.write ? c.data : *data},
-       answered ? BusResult::kOk : BusResult::kTimeout);
-  if (!as_one_step) release();
-  return answered ? BusResult::kOk : fail(BusResult::kTimeout, c.address);
+  const auto pass = [&](int64_t n, int dtack) {
+    if (dtack == 0 && machine_.take_bus_error()) {
+      result = BusResult::kError;
+      machine_.advance(kInjectedErrorClks, Watch::kNothing);
+    } else if (!advance(machine_, n, dtack) && dtack == 0) {
+      result = BusResult::kTimeout;
+    }
+  };
+  model.clock_by_clock(c, pass, answered);
+  return result == BusResult::kOk ? result : fail(result, c.address);
 }
 
 BusResult VmeBus::read(uint32_t address, unsigned am, int size, uint32_t *value) {
@@ -86,7 +84,7 @@ BusResult VmeBus::read(uint32_t address, unsigned am, int size, uint32_t *value)
     return first != BusResult::kOk ? first : second;
   }
   const unsigned ds = size == 2 ? 3 : address & 1 ? 1 : 2;
-  const BusResult result = cycle({address, am, ds, false, 0xFFFF}, &data);
+  const BusResult result = cycle({address, am, ds, false, 0xFFFF, timeout_clks_}, &data);
   *value = size == 2 ? data : address & 1 ? data & 0xFF : data >> 8;
   return result;
 }
@@ -101,7 +99,7 @@ BusResult VmeBus::write(uint32_t address, unsigned am, int size, uint32_t value)
   const unsigned ds = size == 2 ? 3 : address & 1 ? 1 : 2;
   // A byte goes out on both halves, as a 68020 does it.
   const unsigned lines = size == 2 ? value & 0xFFFF : (value & 0xFF) * 0x101;
-  return cycle({address, am, ds, true, lines}, &data);
+  return cycle({address, am, ds, true, lines, timeout_clks_}, &data);
 }
 
 BusResult VmeBus::acknowledge(int level, uint8_t *vector) {
@@ -109,17 +107,17 @@ BusResult VmeBus::acknowledge(int level, uint8_t *vector) {
   const uint32_t address = static_cast<uint32_t>(level) << 1;
   const int64_t begin = machine_.clock();
   ++cycles_;
-  model.pins().vme_address(address, kAmAcknowledge, false, false, 0xFFFF, true);
+  model.pins().vme_address(address, kAmAcknowledge, false, 0xFFFF, true);
   machine_.advance(1, Watch::kNothing);
-  model.pins().vme_strobe(1);
+  model.pins().vme_strobes(1);
   machine_.advance(1, Watch::kNothing);
   model.pins().vme_iackin(true);
   const bool answered = machine_.advance(timeout_clks_, Watch::kDtackLow);
   *vector = static_cast<uint8_t>(model.pins().vme_data(model.vme_sample() & 0xFFFF));
   machine_.trail().add(static_cast<uint64_t>(machine_.clock()) << 8 | (answered ? *vector : 0u));
-  keep(begin, machine_.clock(), MMCS_BUS_IACK, {address, kAmAcknowledge, 1, false, *vector},
+  keep(begin, machine_.clock(), MMCS_BUS_IACK, {address, kAmAcknowledge, 1, false, *vector, 0},
        answered ? BusResult::kOk : BusResult::kTimeout);
-  release();
+  model.release([this](int64_t n, int dtack) { advance(machine_, n, dtack); });
   if (answered) return BusResult::kOk;
   ++failures_;
   machine_.note("bus", -1, "interrupt acknowledge unanswered");

@@ -40,17 +40,9 @@ class VmeBus {
   }
 
  private:
-  struct Cycle {
-    uint32_t address;
-    unsigned am;
-    unsigned ds;  // bit 0 = DS0*, bit 1 = DS1*
-    bool write;
-    unsigned data;
-  };
-  BusResult cycle(const Cycle &c, unsigned *data);
+  BusResult cycle(const Model::BusRequest &c, unsigned *data);
   BusResult fail(BusResult result, uint32_t address);
-  void keep(int64_t begin, int64_t end, int kind, const Cycle &c, BusResult answer);
-  void release();
+  void keep(int64_t begin, int64_t end, int kind, const Model::BusRequest &c, BusResult answer);
 
   Machine &machine_;
   int64_t timeout_clks_;

@@ -4,19 +4,16 @@
 #include "cycle.h"
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
+#include <utility>
 
 namespace mmcs {
-namespace {
 
 // Sights of a request in the same states at which a trace is worked out: most come once only, and
 // other data may have one where these have none.
-bool worth_learning(unsigned sights) {
+static bool worth_learning(unsigned sights) {
   return sights >= 4 && (sights & (sights - 1)) == 0;
 }
-
-}  // namespace
 
 Rack::Cycles::Cycles(Rack &rack)
     : rack_(rack),

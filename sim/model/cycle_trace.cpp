@@ -24,27 +24,16 @@ class Rack::Cycles::Tracer {
 
   // The address; a clock later the strobes, until DTACK* is low; then all is released.
   void work_out(const BusRequest &q) {
-    constexpr Word low = {}, high = {~0u, 0, {}};
-    clock([&] {
-      pin(kVmeA, Word::of(q.address >> 1 & 0x7FFF));
-      pin(kVmeAm, Word::of(q.am & 63));
-      pin(kVmeWrite, q.write ? low : high);
-      pin(kVmeLword, high);
-      pin(kVmeD, q.write ? words_.own(c_.request_) : Word::of(q.data & 0xFFFF));
-      pin(kVmeIack, high);
-    });
+    const auto put = [&](Port port, unsigned level) {
+      pin(port, port == kVmeD && q.write ? words_.own(c_.request_) : Word::of(level));
+    };
+    clock([&] { put_address(q.address, q.am, q.write, q.data, false, put); });
     if (dtack() == 0) throw NoTrace{};
-    clock([&] {
-      pin(kVmeAs, low);
-      pin(kVmeDs, Word::of(~q.ds & 3));
-    });
+    clock([&] { put_strobes(q.ds, put); });
     while (dtack() != 0) clock([] {});
     trace->answered = static_cast<uint16_t>(clocks_);
     sample();
-    clock([&] {
-      for (Port port : {kVmeAs, kVmeDs, kVmeIack, kVmeIackin, kVmeWrite, kVmeLword})
-        pin(port, high);
-    });
+    clock([&] { put_idle(put); });
     while (dtack() == 0) clock([] {});
     clock([] {});
     if (selected_ || command_) throw NoTrace{};

@@ -73,22 +73,6 @@ uint64_t Model::digest() {
   return hash;
 }
 
-Model::BusReply Model::clock_by_clock(const BusRequest &q) {
-  BusReply reply{};
-  int64_t ran = 0;
-  pins_.vme_address(q.address, q.am, q.write, false, q.data);
-  run(1, -1, &ran);
-  pins_.vme_strobe(q.ds);
-  run(q.latest, 0, &ran);
-  reply.answered = clock_;
-  reply.data = vme_sample() & 0xFFFF;
-  pins_.vme_release();
-  run(q.latest, 1, &ran);
-  run(1, -1, &ran);
-  reply.end = clock_;
-  return reply;
-}
-
 std::vector<uint8_t> Model::save() {
   const std::vector<uint64_t> pins = pins_.save();
   std::vector<uint64_t> words = {static_cast<uint64_t>(clock_), lines_, registers().size(),

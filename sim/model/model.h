@@ -70,20 +70,47 @@ class Model : protected Ports {
   bool was_upset() const { return upset_; }
   void set_upset(bool upset) { upset_ = upset; }
   unsigned lines() const { return lines_; }
-  // A whole cycle of the bus master as one step. False: it is not known what it does, or something
-  // else comes meanwhile; it is to be made clock by clock.
+  // A cycle of the bus master.
   struct BusRequest {
     uint32_t address;
-    unsigned am, ds;
+    unsigned am;
+    unsigned ds;  // bit 0 = DS0*, bit 1 = DS1*
     bool write;
     unsigned data;
-    int64_t due, latest;  // the clock at which something else comes; clocks until a time-out
+    int64_t latest;   // clocks until a time-out
+    int64_t due = 0;  // the clock at which something else comes
   };
   struct BusReply {
     unsigned data;
     int64_t answered, end;  // clocks
   };
+  // As one step. False: it is not known what it does, or something else comes meanwhile; it is to
+  // be made clock by clock.
   virtual bool bus_cycle(const BusRequest &, BusReply *) { return false; }
+  // Clock by clock: address first, strobes a clock later, release after DTACK*. advance(n, dtack)
+  // lets up to n clocks pass, to this level of DTACK*; answered() is called before the release.
+  template <class Advance, class Answered>
+  BusReply clock_by_clock(const BusRequest &q, Advance advance, Answered answered) {
+    BusReply reply{};
+    pins_.vme_address(q.address, q.am, q.write, q.data);
+    advance(1, -1);
+    pins_.vme_strobes(q.ds);
+    advance(q.latest, 0);
+    reply.data = pins_.vme_data(vme_sample() & 0xFFFF);
+    reply.answered = clock_;
+    answered(reply);
+    release(advance);
+    reply.end = clock_;
+    return reply;
+  }
+  // The end of a cycle. A slave may hold DTACK* for kReleaseClks before the master goes on.
+  template <class Advance>
+  void release(Advance advance) {
+    constexpr int64_t kReleaseClks = 256;
+    pins_.vme_idle();
+    advance(kReleaseClks, 1);
+    advance(1, -1);
+  }
   virtual bool dtack() const = 0;  // DTACK* is low
   virtual bool alive() const = 0;  // level of the adaptor's sign of life
 
@@ -141,7 +168,10 @@ class Model : protected Ports {
   void disturb() override { upset_ = true; }
   uint64_t read_register(const std::string &reg) override { return read(find_register(reg)); }
 
-  BusReply clock_by_clock(const BusRequest &request);
+  BusReply clock_by_clock(const BusRequest &q) {
+    const auto advance = [this](int64_t n, int dtack) { run(n, dtack, &n); };
+    return clock_by_clock(q, advance, [](const BusReply &) {});
+  }
 
   std::unique_ptr<OwnCard> own_card_;
   Pins pins_{*this, cards()};

@@ -7,11 +7,9 @@
 #include <stdexcept>
 
 namespace mmcs {
-namespace {
 
-constexpr int kLongest = 64;  // clocks that are postponed at once, unless the part is idle then
-
-}  // namespace
+// Clocks that are postponed at once, unless the part is idle then.
+static constexpr int kLongest = 64;
 
 Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> board,
            std::shared_ptr<Cache> *known, VerilatedContext &context, uint32_t *fields)

@@ -81,7 +81,6 @@ class PartModel {
   uint64_t read(const RegisterPlace &place, const uint8_t *registers, const uint32_t *fields) const;
 
   void hold(const HeldBits &bits);  // from now on; none: the register is free
-  bool held() const { return !held_.empty(); }
   void hold_fields(uint32_t *fields) const;
 
   // While all of these control outputs are 1, this data output is not observed.
@@ -99,7 +98,7 @@ class PartModel {
     return fields;
   }
   // A fault changes what its transitions are.
-  bool faulty() const { return held() || never_ignored_; }
+  bool faulty() const { return !held_.empty() || never_ignored_; }
 
   const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_; }
   const PartPort &port_at(int bit) const { return *by_output_bit_[bit]; }

@@ -86,30 +86,6 @@ void Pins::set(Pin pin, int index, unsigned value) {
   }
 }
 
-void Pins::vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data,
-                       bool iack) {
-  drive(kVmeA, 15, address >> 1 & 0x7FFF);
-  drive(kVmeAm, 6, am & 63);
-  drive(kVmeWrite, 1, !write);
-  drive(kVmeLword, 1, !lword);
-  drive(kVmeD, 16, data & 0xFFFF);
-  drive(kVmeIack, 1, !iack);
-}
-
-void Pins::vme_strobe(unsigned ds) {
-  drive(kVmeAs, 1, 0);
-  drive(kVmeDs, 2, ~ds & 3);
-}
-
-void Pins::vme_release() {
-  drive(kVmeAs, 1, 1);
-  drive(kVmeDs, 2, 3);
-  drive(kVmeIack, 1, 1);
-  drive(kVmeIackin, 1, 1);
-  drive(kVmeWrite, 1, 1);
-  drive(kVmeLword, 1, 1);
-}
-
 void Pins::had_cycle(unsigned address, unsigned am, unsigned data) {
   driven_[kVmeA] = free_[kVmeA] = levels_[kVmeA][0] = address >> 1 & 0x7FFF;
   driven_[kVmeAm] = free_[kVmeAm] = levels_[kVmeAm][0] = am & 63;
@@ -244,7 +220,7 @@ void Pins::apply() {
 }
 
 void Pins::power_on() {
-  vme_release();
+  vme_idle();
   apply();
   for (auto port : {kEstopClosed, kCableOk, kPcPower}) {
     put(port, 0, 1, 1);

@@ -73,6 +73,28 @@ class Ports {
   virtual void stop_clock(bool stopped) = 0;
 };
 
+// The bus master's ports in the steps of a cycle, by put(port, level). The address, modifier,
+// direction and data, of an acknowledge IACK* with them; the strobes; idle.
+template <class F>
+void put_address(unsigned address, unsigned am, bool write, unsigned data, bool iack, F put) {
+  put(kVmeA, address >> 1 & 0x7FFF);
+  put(kVmeAm, am & 63);
+  put(kVmeWrite, unsigned{!write});
+  put(kVmeLword, 1u);
+  put(kVmeD, data & 0xFFFF);
+  put(kVmeIack, unsigned{!iack});
+}
+template <class F>
+void put_strobes(unsigned ds, F put) {
+  put(kVmeAs, 0u);
+  put(kVmeDs, ~ds & 3);
+}
+template <class F>
+void put_idle(F put) {
+  put(kVmeDs, 3u);
+  for (Port port : {kVmeAs, kVmeIack, kVmeIackin, kVmeWrite, kVmeLword}) put(port, 1u);
+}
+
 class Pins {
  public:
   Pins(Ports &ports, int cards);
@@ -89,13 +111,13 @@ class Pins {
   void move_encoder(int axis, unsigned pins) {
     for_moved(axis, pins, [&](int port, uint64_t on) { put(port, axis, 1, on); });
   }
-  // The bus master: address, modifier, direction and data, of an acknowledge IACK* with them; the
-  // strobes; the daisy chain; idle.
-  void vme_address(unsigned address, unsigned am, bool write, bool lword, unsigned data,
-                   bool iack = false);
-  void vme_strobe(unsigned ds);
-  void vme_iackin(bool low) { drive(kVmeIackin, 1, !low); }
-  void vme_release();
+  // The steps of a cycle of the bus master; the daisy chain.
+  void vme_address(unsigned address, unsigned am, bool write, unsigned data, bool iack = false) {
+    put_address(address, am, write, data, iack, Driver{*this});
+  }
+  void vme_strobes(unsigned ds) { put_strobes(ds, Driver{*this}); }
+  void vme_iackin(bool low) { drive(kVmeIackin, !low); }
+  void vme_idle() { put_idle(Driver{*this}); }
 
   // What the bus master reads of D15..D00 through lines that are held.
   unsigned vme_data(unsigned data) const { return static_cast<unsigned>(through(kVmeD, data)); }
@@ -148,12 +170,16 @@ class Pins {
       if (moved >> n & 1) f(kEncA + static_cast<int>(n), pins >> n & 1);
     }
   }
+  struct Driver {
+    Pins &pins;
+    void operator()(Port port, unsigned value) const { pins.drive(port, value); }
+  };
   // A port of the bus master, if it changes.
-  void drive(Port port, int width, uint64_t value) {
+  void drive(Port port, unsigned value) {
     if (driven_[port] == value) return;
     driven_[port] = value;
     if (also_) also_->driven_[port] = value;
-    later(port, 0, width, value);
+    later(port, 0, kPortFields[port], value);
   }
   void put(int port, int lsb, int width, uint64_t value);
   void fault(Pin pin, int index, uint64_t value);
