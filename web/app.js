@@ -4,7 +4,7 @@
 
 import { Arm } from "./arm.js";
 import { Axis } from "./axis.js";
-import { askedNumber, byId, pause, setText } from "./dom.js";
+import { askedNumber, byId, paced, pause } from "./dom.js";
 import { banner, header } from "./header.js";
 import { render } from "./html.js";
 import { keys } from "./keys.js";
@@ -40,7 +40,7 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     machine.stopPath = data.stopPath;
     machine.tell("stopPath");
   });
-  machine.on("event", () => setText(byId("said"), said(machine)));
+  machine.on("event", () => render(said(machine), byId("said")));
   machine.on("hello", async () => {
     // a machine that stands still sends none
     if (!machine.history.latest(0)) await machine.seen(() => true, FIRST_SAMPLE_MS);
@@ -48,66 +48,50 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     page.units.motors = page.about.motors;
     page.axes = Array.from({ length: machine.hello.axes }, (_, n) => new Axis(page, n));
     document.title = page.title;
-    page.arm = new Arm(page);
-    byId("arm").append(page.arm.element);
+    const arm = new Arm(page);
+    byId("arm").append(arm.element);
     const views = tabs(page);
     keys(page);
+    // Lamps, tiles, banner wait for no picture and no frame.
     const draw = () => {
       for (const [id, view] of Object.entries(ROOMS)) render(view(page), byId(id));
-      for (const view of views) {
-        view.element.inert = page.past && Boolean(view.changes);
-        if (view.visible) view.update();
-      }
+      views.update();
       document.body.classList.toggle("gone", !machine.connected);
       document.body.classList.toggle("past", page.past);
     };
-    page.draw = () => {
-      if (page.row < 0) return;
-      page.arm.draw(page.row);
-      views.forEach(view => view.visible && view.draw?.());
-    };
     page.on("changed", draw);
     machine.on("samples", () => page.axes.forEach(axis => axis.tick(machine.history.now)));
-    showState(page);
-    drawPictures(page);
+    machine.on("samples event silence", paced(draw, STATE_MS));
+    document.addEventListener("visibilitychange", draw);
+    draw();
+    drawPictures([arm, views]);
+    askOldest(page);
+    window.mctool = { machine, page, arm }; // for tests and for people who look under the hood
     // last: from here on a page that is busy for 250 ms stops the machine
     if (control && machine.hello.lease === null) await begin(machine, interval_ms);
     document.body.classList.add("ready");
   }, { once: true });
-  // For tests and for people who look under the hood.
-  window.mctool = { machine, page };
   return page;
 }
 
-/** What the machine does, with its samples: lamps, tiles, banner wait for no picture and no frame. */
-function showState(page) {
-  let shown = -Infinity;
-  const show = () => {
-    if (performance.now() - shown < STATE_MS) return;
-    page.changed();
-    shown = performance.now();
-  };
-  page.machine.on("samples", show);
-  setInterval(show, STATE_MS); // also without samples
-  document.addEventListener("visibilitychange", () => page.changed());
-  const ask = async () => {
-    const told = await page.machine.link.request("snapshots").catch(() => null);
-    if (told?.snapshots.length) page.oldest = told.snapshots[0].t;
-  };
-  ask();
-  setInterval(ask, OLDEST_MS);
+/** How far back the snapshots reach; the server tells nobody who does not ask. */
+async function askOldest(page) {
+  const told = await page.machine.link.request("snapshots").catch(() => null);
+  const oldest = told?.snapshots[0]?.t ?? page.oldest;
+  if (oldest !== page.oldest) page.set({ oldest });
+  setTimeout(askOldest, OLDEST_MS, page);
 }
 
 /** Curves and arm, now and then: where drawing takes long, seldom; STOP comes first. What drawing
  * takes is seen by when the browser asks for the next two frames. */
-function drawPictures(page) {
+function drawPictures(pictures) {
   const began = performance.now();
-  page.draw();
+  pictures.forEach(one => one.draw());
   const spent = performance.now() - began;
   requestAnimationFrame(first =>
     requestAnimationFrame(() => {
       const drawn = Math.max(0, performance.now() - first - FRAME_MS);
-      setTimeout(() => drawPictures(page), pause(spent + drawn));
+      setTimeout(() => drawPictures(pictures), pause(spent + drawn));
     })
   );
 }

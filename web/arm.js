@@ -5,7 +5,7 @@
 //
 // Drawn on a plain canvas: a picture costs a millisecond, and none is drawn while nothing moves.
 
-import { el } from "./dom.js";
+import { colour, el } from "./dom.js";
 
 const TUBE_M = 0.05;
 const FLOOR_M = -0.67; // a PUMA's shoulder stands so high above it
@@ -62,7 +62,6 @@ export class Arm {
   seen = []; // {joint, from, to}: links on the screen
   #dragged = null; // {joint, x, setpoint}
   #pen = null;
-  #colours = null;
 
   constructor(page) {
     this.page = page;
@@ -71,16 +70,8 @@ export class Arm {
     this.canvas = el("canvas", {});
     this.element = el("div", { className: "arm own-keys", tabIndex: 0, role: "img",
       "aria-label": "the arm; arrow keys turn the view" }, this.canvas);
-    this.turn = { around: 0.8, above: 0.35, away: 2.6 };
+    this.turn = page.turn;
     this.#listen();
-    new ResizeObserver(() => this.again()).observe(this.element);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.again());
-  }
-
-  again() {
-    this.#drawn = "";
-    this.#colours = null;
-    this.draw();
   }
 
   #listen() {
@@ -142,16 +133,15 @@ export class Arm {
     return page.drafts.take("arm", setpoint + Math.round(counts), take, true);
   }
 
-  /** The picture of a row of the history, if it differs from the one that is there. */
-  draw(row = this.row) {
+  /** The picture of the moment shown, if it differs from the one that is there. */
+  draw() {
     const { motors, canvas } = this;
-    const { history } = this.page.machine;
-    this.row = row;
-    if (!(row >= history.first && row < history.end)) return;
+    const { machine: { history }, row, axis } = this.page;
+    if (row < 0) return;
     const counts = field => motors.map((_, n) => history.value(row, history.column(n, field)));
     const [now, told] = [counts("encnow"), counts("demand")];
     const { clientWidth: width, clientHeight: height } = canvas;
-    const key = [now, told, width, height, Object.values(this.turn), this.page.axis].join();
+    const key = [now, told, width, height, Object.values(this.turn), axis, colour("--ink")].join();
     if (key === this.#drawn || !width) return;
     this.#drawn = key;
     this.element.dataset.away = this.turn.away.toFixed(2); // seen by tests
@@ -167,15 +157,10 @@ export class Arm {
     else this.#dials(width, height, angles(now), angles(told));
   }
 
-  #colour(name) {
-    this.#colours ??= getComputedStyle(this.element);
-    return this.#colours.getPropertyValue(name);
-  }
-
   /** A line through places of the picture, px. */
   #line(points, name, thick, dash = []) {
     const pen = this.#pen;
-    pen.strokeStyle = this.#colour(name);
+    pen.strokeStyle = colour(name);
     pen.lineWidth = thick;
     pen.setLineDash(dash);
     pen.beginPath();
@@ -185,7 +170,7 @@ export class Arm {
 
   #disc(x, y, r, name) {
     const pen = this.#pen;
-    pen.fillStyle = this.#colour(name);
+    pen.fillStyle = colour(name);
     pen.beginPath();
     pen.arc(x, y, r, 0, 2 * Math.PI);
     pen.fill();
@@ -259,7 +244,7 @@ export class Arm {
         hand((k * Math.PI) / 18, k % 9 ? 0.94 : 0.86, 1, "--arm-edge", 1);
       hand(told[n], 0, 0.92, "--told", 2, [5, 4]);
       hand(angle, 0, 0.92, n === this.page.axis ? "--c2" : "--arm", 7);
-      this.#pen.fillStyle = this.#colour("--ink");
+      this.#pen.fillStyle = colour("--ink");
       this.#pen.fillText(`motor ${n}`, x - 20, y + r + 14);
     });
   }

@@ -5,6 +5,7 @@
 import { parseInteger, parseNumber } from "./dom.js";
 import { FLAGS, gainsOf, INT_MAX, INT_MIN, isBounded, MODE_MASK, modeName, MODES,
   setpointScale } from "./params.js";
+import { LINES } from "./samples.js";
 
 const SQUARE_MS = 1000; // half a period, in the machine's time
 const GP1 = 8; // the axis's light among its card's
@@ -27,25 +28,39 @@ export class Axis {
     this.machine.on("wire:enabled", ({ value }) => value || rest());
   }
 
+  /** At the moment shown. */
   get param() {
-    return this.machine.driver.params[this.number];
+    return this.page.driver.params[this.number];
   }
 
   /** What puts a code out is seen at the D/A. */
-  get #code() {
-    return this.machine.enabled ? (this.machine.history.latest(this.number)?.current ?? 0) : 0;
+  #code(row) {
+    const { history } = this.machine;
+    const drives = row >= history.first && history.lines(row) & LINES.enabled;
+    return drives ? history.value(row, history.column(this.number, "current")) : 0;
   }
 
-  /** Of the panel: a name of MODE_NAMES. */
+  #modeOf({ params }, row, wantsDiag) {
+    const param = params[this.number]; // none: the servo does not control this axis
+    const name = param ? modeName(param, this.#code(row)) : "off";
+    return name === "off" && wantsDiag ? "diag" : name;
+  }
+
+  /** Of the panel at the moment shown: a name of MODE_NAMES. */
   get mode() {
-    if (!this.param) return "off"; // the servo does not control this axis
-    const name = modeName(this.param, this.#code);
-    return name === "off" && this.wantsDiag ? "diag" : name;
+    const { driver, row, past } = this.page;
+    return this.#modeOf(driver, row, this.wantsDiag && !past);
   }
 
-  /** The square wave that the page makes; it belongs to the mode in which it was chosen. */
+  /** The square wave that the page makes now; it belongs to the mode in which it was chosen. */
+  get #wave() {
+    const { driver, history } = this.machine;
+    const mode = this.#modeOf(driver, history.end - 1, this.wantsDiag);
+    return this.#square?.mode === mode ? this.#square : null;
+  }
+
   get square() {
-    return this.#square?.mode === this.mode ? this.#square : null;
+    return this.page.past ? null : this.#wave;
   }
 
   get source() {
@@ -70,14 +85,14 @@ export class Axis {
   /** In the driver's units: what is in force, or was at the moment shown. */
   get setpoint() {
     const { page, machine, number } = this;
-    if (page.past) return machine.history.at(number, page.row).setpoint;
     if (this.square) return this.square.amplitude;
-    return this.mode === "diag" ? this.#code : machine.setpoint(number);
+    if (this.mode === "diag") return this.#code(page.row);
+    return page.past ? page.at(number).setpoint : machine.setpoint(number);
   }
 
   get light() {
-    const { history } = this.machine;
-    return Boolean(((history?.lights(this.number >> 1) ?? 0) >> (GP1 + (this.number & 1))) & 1);
+    const lights = this.machine.history.lights(this.number >> 1, this.page.row);
+    return Boolean((lights >> (GP1 + (this.number & 1))) & 1);
   }
 
   // --- changes ---
@@ -172,9 +187,8 @@ export class Axis {
     else await this.#put(value);
   }
 
-  #put(value) {
-    return this.mode === "diag" ? this.#putOut(value)
-      : this.machine.setSetpoint(this.number, value);
+  #put(value, mode = this.mode) {
+    return mode === "diag" ? this.#putOut(value) : this.machine.setSetpoint(this.number, value);
   }
 
   /** Moves the setpoint by so many hundredths of its range, from where it is. */
@@ -188,11 +202,11 @@ export class Axis {
 
   /** The square wave, by the machine's time. */
   tick(t) {
-    const { square, machine } = this;
-    if (!square?.amplitude || !machine.controls || !machine.enabled) return;
+    const [wave, { machine }] = [this.#wave, this];
+    if (!wave?.amplitude || !machine.controls || !machine.enabled) return;
     const sign = Math.floor((t * 1000) / SQUARE_MS) % 2 ? -1 : 1;
-    if (sign === square.sign) return;
-    square.sign = sign;
-    machine.try(this.#put(square.centre + sign * square.amplitude));
+    if (sign === wave.sign) return;
+    wave.sign = sign;
+    machine.try(this.#put(wave.centre + sign * wave.amplitude, wave.mode));
   }
 }

@@ -5,13 +5,11 @@
  * @returns {any} */
 export const byId = id => document.getElementById(id);
 
-/** An element: el("button", {title: "…", onclick: f}, "text", child). */
+/** An element: el("div", {className: "…"}, "text", child). */
 export function el(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
-  if (tag === "output") element.setAttribute("aria-live", "off"); // numbers that change all the time
   for (const [name, value] of Object.entries(attributes)) {
-    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
-    else if (name in element && name !== "list") element[name] = value;
+    if (name in element) element[name] = value;
     else element.setAttribute(name, value);
   }
   element.append(...children);
@@ -59,11 +57,6 @@ export function askedNumber(asked, name, low, high, fallback) {
   return value;
 }
 
-/** Sets text only when it differs: screen readers and layout stay at rest. */
-export function setText(element, text) {
-  if (element.textContent !== text) element.textContent = text;
-}
-
 const CLICK_PX = 4;
 
 /** Fingers and buttons on an element: one carries, pan(from, to); two stretch, zoom(factor, about); one that
@@ -101,6 +94,21 @@ const REST = 6; // times its own time, that a picture is followed by none
 /** Milliseconds to the next picture after one that took so many. */
 export function pause(spent) {
   return Math.max(LEAST_MS, Math.min(REST * spent, MOST_MS - spent));
+}
+
+/** A function that calls f, at most every so many ms, and once more after its last call. */
+export function paced(f, ms) {
+  let [last, timer] = [-Infinity, 0];
+  const now = () => {
+    clearTimeout(timer);
+    [last, timer] = [performance.now(), 0];
+    f();
+  };
+  return () => {
+    const rest = last + ms - performance.now();
+    if (rest <= 0) now();
+    else timer ||= setTimeout(now, rest);
+  };
 }
 
 /** A colour of look.css as it is now. */

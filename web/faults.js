@@ -23,7 +23,7 @@ const items = (tag, name, lines) =>
 export function faults(page) {
   const { machine, fault } = page;
   const { inputs } = machine;
-  const put = values => page.set({ fault: { ...fault, ...values } });
+  const put = values => page.put("fault", values);
   const set = (input, index, value) => {
     put({ since: machine.history.now });
     return machine.ask("input", { name: input.name, index, value });
@@ -35,7 +35,7 @@ export function faults(page) {
   const wrong = inputs.flatMap(({ name, values }) =>
     Object.entries(values).map(([at, value]) => `${name} ${at}: ${value}`)
   );
-  const ended = endedBy(machine, performance.now());
+  const ended = endedBy(machine);
   if (ended) wrong.push(`no sample since ${ended.t.toFixed(3)} s: ${ended.text}`);
   const since = machine.messages.filter(({ t, kind }) => t >= fault.since && !QUIET.includes(kind))
     .slice(-MOST).reverse();

@@ -7,15 +7,13 @@ import { panicCauses } from "./status.js";
 
 const LIGHTS = ["encA1", "encB1", "encI1", "encA2", "encB2", "encI2", "beat1", "beat2", "gp1",
   "gp2", "power"];
-const FRESH_MS = 300; // since samples came
 
 const light = (name, on, kind = "") =>
   h("span", { class: `light ${on ? `lit ${kind}` : ""}` }, name);
 
-export function front({ machine, row }) {
+export function front({ machine, row, lines }) {
   const { history, hello } = machine;
   if (row < 0) return h("div", { class: "front" }, "No sample yet.");
-  const lines = history.value(row, history.linesColumn);
   const plate = (name, ...lights) => h("div", { class: "row card" }, h("b", {}, name), ...lights);
   const card = n => {
     const bits = history.value(row, history.lightsColumn(n));
@@ -24,9 +22,8 @@ export function front({ machine, row }) {
   const why = lines & LINES.panic
     ? `PANIC: ${panicCauses(machine, row).join("; ") || "cause unknown"}` : "";
   return h("div", { class: "front" },
-    plate("adaptor", light("SCLOCK", performance.now() - machine.heard < FRESH_MS),
-      light("IRQ", lines & LINES.irq), light("PANIC", lines & LINES.panic, "alarm"),
-      light("brakes off", lines & LINES.brakes)),
+    plate("adaptor", light("SCLOCK", !machine.silent_s), light("IRQ", lines & LINES.irq),
+      light("PANIC", lines & LINES.panic, "alarm"), light("brakes off", lines & LINES.brakes)),
     Array.from({ length: hello.cards }, (_, n) => card(n)),
     h("p", { class: "cause", id: "panic-cause" }, why));
 }

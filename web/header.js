@@ -9,8 +9,8 @@ import { condition } from "./status.js";
 const DIAGNOSTICS = [[0, "None"], [1, "Analog loop"], [2, "Encoder"], [3, "Both"]];
 
 export function header(page) {
-  const { machine, units, about } = page;
-  const { driver, controls, enabled, connected } = machine;
+  const { machine, units, about, driver } = page;
+  const { controls, enabled, connected } = machine;
   const dead = { disabled: !page.mayChange };
   const other = machine.holder !== null && !controls;
   const control = !controls ? (other ? "Controlled by another" : "Take control")
@@ -35,7 +35,7 @@ export function header(page) {
       output(page.row < 0 ? "" : `${page.t.toFixed(2)} s`, { id: "time" }),
       h("span", { class: "grow" }),
       button("units", `Units: ${units.physical ? "°, A" : "counts, D/A"}`, () =>
-        units.set(!units.physical), wide)),
+        page.put("units", { physical: !units.physical }), wide)),
     row(button("control", control, () => page.toControl(), { disabled: other || !connected }),
       button("enable", "Enable", () => page.enable(), { title: "E, then Enter", ...dead,
         class: page.mayChange && !enabled ? "filled" : "" }),
@@ -49,10 +49,9 @@ export function header(page) {
 
 const suggested = page => () => page.machine.try(page.takeSuggested());
 
-function lamps({ machine, row: at }) {
+function lamps({ row: at, lines }) {
   if (at < 0) return null;
-  const { history } = machine;
-  const on = bit => Boolean(history.value(at, history.linesColumn) & bit);
+  const on = bit => Boolean(lines & bit);
   const [drives, panic, free] = [on(LINES.enabled), on(LINES.panic), on(LINES.brakes)];
   const lamp = (text, kind) => h("span", { class: `lamp ${kind}` }, text);
   // without heartbeats PANIC is up: at rest that is as it should be
@@ -63,7 +62,7 @@ function lamps({ machine, row: at }) {
 }
 
 export function banner(page) {
-  const { kind, cause, next, offer, before } = condition(page, performance.now());
+  const { kind, cause, next, offer, before } = condition(page);
   const back = () => page.goBack(before);
   return h("p", { id: "banner", role: "status", class: kind }, h("strong", { id: "cause" }, cause),
     h("span", { id: "next" }, next),

@@ -16,6 +16,14 @@ export const row = (...children) => h("div", { class: "row" }, ...children);
 export const labelled = (text, control, unit = "") =>
   h("label", {}, h("span", {}, text), control, unit && h("i", {}, unit));
 
+/** Buttons behind a word, folded again by a press. A list of the browser's would take Escape from STOP. */
+export const folded = (id, text, ...inside) =>
+  h("details", { id, class: "folded", onClick: ({ target, currentTarget }) => {
+    if (!target.matches("button")) return;
+    currentTarget.open = false;
+    currentTarget.firstChild.focus();
+  } }, h("summary", {}, text), h("div", {}, inside));
+
 /** A text that a person types, and the page reads when it needs it. */
 export const textBox = (id, more = {}) => h("input", { type: "text", size: 6, id, ...more });
 

@@ -6,7 +6,7 @@ import { byId } from "./dom.js";
 const DECIDE_MS = 3000; // "e" waits so long for its Enter
 const TEXTS =
   "input:not([type=range]):not([type=checkbox]):not([type=radio]):not([type=button]), textarea";
-const OWN_SPACE = `${TEXTS}, input[type=checkbox], input[type=radio], select`; // TOOL-1
+const OWN_SPACE = `${TEXTS}, input[type=checkbox], input[type=radio]`; // TOOL-1
 
 export const HELP = "space, Escape: stop · 0-9: axis · ←/→ nudge, with shift ten times · "
   + "e Enter: enable · c: take control · ?: this";
@@ -40,7 +40,7 @@ export function keys(page) {
       return byId(`axis${page.axis}-panel`)?.focus();
     }
     const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (side && at.matches?.("input, select, [role=tab], [role=radio]")) return undefined;
+    if (side && at.matches?.("input, [role=tab], [role=radio]")) return undefined;
     const enters = event.key === "Enter" && performance.now() - armed < DECIDE_MS;
     armed = event.key === "e" ? performance.now() : -Infinity;
     if (side || enters) event.preventDefault();

@@ -3,7 +3,7 @@
 // labs/mmcs_labs/page.py grades as `mmcs lab check` does; a page without Python shows the commands instead.
 
 import { byId, download } from "./dom.js";
-import { button, cells, h, labelled, row, textBox, typed } from "./html.js";
+import { button, cells, folded, h, labelled, row, textBox, typed } from "./html.js";
 
 const BARE = /^[A-Za-z]\w*$/; // a name that TOML wants quoted
 const WORDS = new Set(["true", "false", "inf", "nan"]);
@@ -28,50 +28,43 @@ export function tomlAnswer(fields, texts) {
   return lines.join("");
 }
 
-/** The view of a page, as a function. */
 export function labs(page) {
-  const { machine } = page;
-  const kept = new Map(); // number of a sheet: what was typed into its form
-  const state = { sheets: null, sheet: null, said: "", marks: null, busy: false };
-  let grader = null;
-  const ask = (op, args) => (grader ??= page.labs()).request(op, args);
-  const put = values => {
-    Object.assign(state, values);
-    page.changed();
-  };
-  const answer = () => tomlAnswer(state.sheet.fields, kept.get(state.sheet.number));
+  const { machine, lab: state } = page;
+  const ask = (op, args) => (state.grader ??= page.labs()).request(op, args);
+  const put = values => page.put("lab", values);
+  const given = () => state.typed.get(state.sheet.number);
+  const answer = () => tomlAnswer(state.sheet.fields, given());
 
   /** Rejections are said, unless another sheet is shown by then. */
   async function trying(promise) {
-    const { sheet } = state;
+    const was = state.sheet;
     await promise.catch(({ message }) =>
-      sheet === state.sheet && put({ said: message, marks: null })
+      was === state.sheet && put({ said: message, marks: null })
     );
   }
 
   async function open(number) {
-    const sheet = await ask("sheet", { number });
+    state.asked = number;
+    const found = await ask("sheet", { number });
     // another one was chosen meanwhile; or this one is shown, and somebody types into it
-    const chosen = Number(byId("lab-sheet")?.value ?? number);
-    if (chosen !== number || state.sheet?.number === number) return;
-    if (!kept.has(number)) kept.set(number, {});
-    put({ sheet, said: "", marks: null });
+    if (state.asked !== number || state.sheet?.number === number) return;
+    if (!state.typed.has(number)) state.typed.set(number, {});
+    put({ sheet: found, said: "", marks: null });
   }
 
   async function begin() {
     state.sheets = [];
-    const { sheets } = await ask("sheets");
-    put({ sheets });
-    await open(sheets[0].number);
+    put(await ask("sheets", {}));
+    await open(state.sheets[0].number);
   }
 
   async function grade() {
-    const { sheet } = state;
+    const was = state.sheet;
     put({ busy: true, said: "Your answers are run; the first time builds a machine for them." });
     try {
-      const { marks, points, of } = await ask("check", { number: sheet.number, answer: answer() });
-      if (sheet !== state.sheet) return;
-      put({ said: `${points} of ${of} points`, marks });
+      const done = await ask("check", { number: was.number, answer: answer() });
+      if (was !== state.sheet) return;
+      put({ said: `${done.points} of ${done.of} points`, marks: done.marks });
       byId("lab-marks").scrollIntoView({ block: "nearest" });
     } finally {
       put({ busy: false });
@@ -79,13 +72,13 @@ export function labs(page) {
   }
 
   function formRow({ key, example, hint, members }) {
-    const given = kept.get(state.sheet.number);
+    const texts = given();
     const param = machine.driver.params[page.axis];
     const box = (name, label, placeholder = "") =>
-      textBox(`lab-${name}`, { value: given[name] ?? "", "aria-label": label, placeholder,
-        onInput: typed(text => (given[name] = text)) });
+      textBox(`lab-${name}`, { value: texts[name] ?? "", "aria-label": label, placeholder,
+        onInput: typed(text => (texts[name] = text)) });
     const take = () => { // the chosen axis's integers: tuned here, answered there
-      for (const name of members) given[`${key}.${name}`] = String(param[name]);
+      for (const name of members) texts[`${key}.${name}`] = String(param[name]);
       page.changed();
     };
     const known = members.length > 0 && members.every(name => name in (param ?? {}));
@@ -108,25 +101,24 @@ export function labs(page) {
     h("div", { class: "lab-form", role: "group", "aria-label": "your answers", key: number },
       fields.map(formRow)),
   ];
-  return () => {
-    if (!state.sheets) trying(begin());
-    const { sheets, sheet, said, marks, busy } = state;
-    const option = ({ number, title }) => h("option", { value: number }, `${number} ${title}`);
-    const choose = typed(number => trying(open(Number(number))));
-    const commands = sheet
-      && ["The scenarios to work with: ", h("code", {}, sheet.start), " · the same check: ",
-        h("code", {}, sheet.check)];
-    const runs = { disabled: busy || !sheet,
-      title: "runs the sheet's scenarios with your answers" };
-    return h("div", { class: "labs" },
-      row(labelled("Sheet", h("select", { id: "lab-sheet", onChange: choose }, sheets.map(option))),
-        h("p", { id: "lab-commands" }, commands)), sheet && paper(sheet),
-      row(button("lab-check", "Check", () => trying(grade()), runs),
-        button("lab-save", "Save answer.toml", save),
-        h("p", { id: "lab-said", role: "status" }, said)),
-      marks
-        && h("table", { id: "lab-marks" },
-          h("thead", {}, cells([["question", "points", "why"]], "th")),
-          h("tbody", {}, marks.map(mark))));
-  };
+  if (!state.sheets) trying(begin());
+  const { sheets, sheet, said, marks, busy } = state;
+  const named = ({ number, title }) => `${number} ${title}`;
+  const choice = one =>
+    button("", named(one), () => trying(open(one.number)), { value: one.number });
+  const shown = sheets.find(({ number }) => number === sheet?.number);
+  const commands = sheet
+    && ["The scenarios to work with: ", h("code", {}, sheet.start), " · the same check: ",
+      h("code", {}, sheet.check)];
+  const runs = { disabled: busy || !sheet, title: "runs the sheet's scenarios with your answers" };
+  return h("div", { class: "labs" },
+    row(folded("lab-sheet", shown ? `Sheet ${named(shown)}` : "Sheets", sheets.map(choice)),
+      h("p", { id: "lab-commands" }, commands)), sheet && paper(sheet),
+    row(button("lab-check", "Check", () => trying(grade()), runs),
+      button("lab-save", "Save answer.toml", save),
+      h("p", { id: "lab-said", role: "status" }, said)),
+    marks
+      && h("table", { id: "lab-marks" },
+        h("thead", {}, cells([["question", "points", "why"]], "th")),
+        h("tbody", {}, marks.map(mark))));
 }

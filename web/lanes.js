@@ -28,7 +28,10 @@ export const quantityOf = field => QUANTITIES[LANES[field]] ?? "";
 export class Lanes {
   #plots = [];
   #lanes = [];
-  #size = "";
+  #kept = ""; // what the plots are made for
+  #drawn = ""; // what is on them
+  marks = [];
+  view = [0, 0];
 
   /** zoom(from, to) when a span was drawn with the pointer, roll() at a double-click, wheel(factor, t). */
   constructor(units, help, { zoom, roll, wheel }) {
@@ -36,10 +39,8 @@ export class Lanes {
     this.zoom = zoom;
     this.roll = roll;
     this.pointer = null; // s, where the pointer is
-    this.marks = []; // {t, name}
     this.element = el("div", { className: "screen own-keys", tabIndex: 0, role: "group",
       "aria-label": help });
-    const anew = () => this.set(this.series ?? []);
     this.element.addEventListener("wheel", event => {
       if (this.pointer === null) return;
       event.preventDefault();
@@ -53,21 +54,14 @@ export class Lanes {
       zoom: (factor, x) => wheel(factor, time(x)),
       pan: (was, x) => this.zoom(...this.view.map(t => t + time(was) - time(x))),
     });
-    new ResizeObserver(() => this.#fit()).observe(this.element);
-    units.on("change", anew);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", anew);
   }
 
-  /** series: {source, shift, channel, name, overlay}. */
-  set(series) {
-    this.series = series;
+  #set(series) {
     for (const plot of this.#plots) plot.destroy();
     const laneOf = ({ channel: { field } }) => LANES[field] ?? field;
     const names = [...new Set(series.map(laneOf))];
     this.#lanes = names.map(name => series.filter(one => laneOf(one) === name));
     this.#plots = this.#lanes.map((lane, n) => this.#plot(names[n], lane, n === names.length - 1));
-    this.#size = "";
-    this.#fit();
   }
 
   #scale({ channel }) {
@@ -106,21 +100,26 @@ export class Lanes {
     this.zoom(u.posToVal(left, "x"), u.posToVal(left + width, "x"));
   }
 
-  #fit() {
-    const { clientWidth: width, clientHeight: height } = this.element;
-    const size = `${width} ${height} ${this.#plots.length}`;
-    if (!width || !height || size === this.#size) return;
-    this.#size = size;
+  #fit(width, height) {
     const each = Math.max(LEAST, (height - BOTTOM) / Math.max(1, this.#plots.length));
     this.#plots.forEach((plot, n) =>
       plot.setSize({ width, height: each + (n === this.#plots.length - 1 ? BOTTOM : 0) })
     );
-    if (this.view) this.draw(...this.view);
   }
 
-  draw(from, to) {
-    this.view = [from, to];
-    this.#fit();
+  /** What differs from what is there. series: {source, shift, channel, name, overlay}; marks: {t, name}. */
+  draw(series, marks, from, to) {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    const looks = series.map(({ name, channel }) => [name, channel.n]);
+    const kept = JSON.stringify([looks, this.units.physical, colour("--ink"), width, height]);
+    const drawn = JSON.stringify([kept, marks, from, to]);
+    if (!width || !height || drawn === this.#drawn) return;
+    [this.marks, this.view, this.#drawn] = [marks, [from, to], drawn];
+    if (kept !== this.#kept) {
+      this.#kept = kept;
+      this.#set(series);
+      this.#fit(width, height);
+    }
     this.#plots.forEach((plot, n) => {
       const pixels = Math.max(100, plot.width);
       const tables = this.#lanes[n].map(one => {

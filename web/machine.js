@@ -2,12 +2,12 @@
 // The machine as the page knows it: the link, its history, who controls, what the driver has.
 //
 // Whatever a panel shows comes from here: `driver` is read back from the driver whenever it changed,
-// by whomever; setpoints come with the samples. Control is the lease (docs/use/protocol.md): without
+// by whomever, and what it had is kept; setpoints come with the samples. Control is the lease (docs/use/protocol.md): without
 // it the page writes nothing. While it is held a Worker says so every 80 ms; 250 ms of silence stop the
 // machine (deadman_ms, docs/use/tool.md), and so does a page that hangs for four times that.
 //
-// Events: hello (also when connected again), driver, inputs, samples, control, closed; event, and
-// wire:KIND of each kind from the wire.
+// Events: hello (also when connected again), driver, inputs, samples, silence, control, closed; event,
+// and wire:KIND of each kind from the wire.
 
 import { Source } from "./dom.js";
 import { History } from "./samples.js";
@@ -15,8 +15,16 @@ import { History } from "./samples.js";
 const HANGS = 4; // times the dead-man: a page that does nothing for so long hangs, and its pulse ends
 const HANGS_MS = 1000; // but not before
 const SEEN_MS = 500;
+const SILENCE_MS = 500; // between two tellings that no sample comes
+const MOST_KEPT = 5000;
 const AGAIN_MS = 1000; // between attempts to connect
 const LOST = { axis: -1, text: "as it is after the loss" };
+
+/** At the end of a list whose oldest are forgotten. */
+function keep(list, one) {
+  list.push(one);
+  if (list.length > MOST_KEPT) list.splice(0, MOST_KEPT / 5);
+}
 
 export class Machine extends Source {
   constructor(link, deadman_ms = 250) {
@@ -31,8 +39,9 @@ export class Machine extends Source {
     this.enabled = false;
     this.paused = false;
     this.holder = null;
-    this.heard = 0; // when samples came last, ms of this page
+    this.silent_s = 0; // since samples came last, by this page's clock
     this.driver = { params: [], interval_us: 2000, diag: 0, double_buffer: false };
+    this.drivers = []; // {t, ...driver}: what it had from t on, s
     this.inputs = []; // of the machine, as `inputs` tells them
     this.messages = []; // {t, kind, text, axis}: errors stay readable after a clear; left: of a
     // branch; times: a bus error that repeats, as while the driver looks for lost cards, is one
@@ -42,7 +51,7 @@ export class Machine extends Source {
     link.on("hello", hello => this.#welcome(hello));
     link.on("samples", buffer => {
       this.history?.append(buffer);
-      this.heard = performance.now();
+      this.#silent(performance.now());
       this.tell("samples");
     });
     link.on("event", event => this.#event(event));
@@ -54,6 +63,8 @@ export class Machine extends Source {
   }
   #mode = "";
   #dirty = new Set(); // axes to be read again; -1: everything
+  #since = Infinity; // s: they changed then
+  #watch = 0;
   #reading = null;
   #taken = new Map(); // axis -> {value, t}: setpoints that the driver took
   #again = 0;
@@ -71,8 +82,16 @@ export class Machine extends Source {
     this.connected = true;
     this.#lost = false;
     await this.ask("follow", { past, period_ms: 25 });
-    await Promise.all([this.read(), this.#readInputs()]);
+    await Promise.all([this.read(-1, hello.time), this.#readInputs()]);
     this.tell("hello");
+  }
+
+  /** Counts the silence since `heard`, ms of this page. */
+  #silent(heard, at = heard) {
+    clearTimeout(this.#watch);
+    this.#watch = setTimeout(() => this.#silent(heard, performance.now()), SILENCE_MS);
+    this.silent_s = (at - heard) / 1000;
+    if (at > heard) this.tell("silence");
   }
 
   #closed(reason) {
@@ -114,22 +133,22 @@ export class Machine extends Source {
         if (this.holder === null) this.say("error", "control lost: the page was silent; stopped");
       }
     }
-    if (event.kind === "param") this.read(event.axis);
-    if (event.kind === "setting" || event.kind === "rewind") this.read();
+    if (event.kind === "param") this.read(event.axis, event.t);
+    if (event.kind === "setting" || event.kind === "rewind") this.read(-1, event.t);
     if (event.kind === "fault" || event.kind === "rewind") this.#readInputs();
     const last = this.messages.at(-1);
     if (event.kind === "bus" && last?.kind === "bus" && last.text === event.text)
       last.times = (last.times ?? 1) + 1;
-    else this.messages.push(event);
-    if (this.messages.length > 5000) this.messages.splice(0, 1000);
-    this.tell("event", event);
+    else keep(this.messages, event);
     this.tell(`wire:${event.kind}`, event);
+    this.tell("event", event); // last: it draws what the others have changed
   }
 
   /** What is later than t is a future that was left. */
   #goneBack(t) {
     this.branches.push({ from: t, to: this.history?.now ?? t });
     for (const message of this.messages) if (message.t > t) message.left = true;
+    this.drivers = this.drivers.filter(one => one.t <= t);
     this.history?.rewind(t);
     this.#taken.clear();
     this.powerEnd = null;
@@ -137,9 +156,11 @@ export class Machine extends Source {
 
   // --- what the driver has ---
 
-  /** Reads back an axis, or everything (-1); changes that come meanwhile are read after it. */
-  read(axis = -1) {
+  /** Reads back an axis, or everything (-1), that changed at t; changes that come meanwhile are read
+   * after it. */
+  read(axis = -1, t = this.history?.now ?? 0) {
     this.#dirty.add(axis);
+    this.#since = Math.min(this.#since, t);
     this.#reading ??= this.#readDirty().finally(() => {
       this.#reading = null;
     });
@@ -151,11 +172,14 @@ export class Machine extends Source {
       const all = this.#dirty.has(-1);
       const axes = all ? [...Array(this.hello.axes).keys()] : [...this.#dirty];
       this.#dirty.clear();
+      const t = this.#since;
+      this.#since = Infinity;
       const settings = async () => {
         const { interval_us, diag, double_buffer } = await this.link.request("hello");
-        Object.assign(this.driver, { interval_us, diag, double_buffer });
+        this.driver = { ...this.driver, interval_us, diag, double_buffer };
       };
       await Promise.all([all && settings().catch(() => {}), ...axes.map(n => this.#param(n))]);
+      keep(this.drivers, { t, ...this.driver });
       this.tell("driver");
     }
   }
@@ -173,7 +197,12 @@ export class Machine extends Source {
   /** An axis that the servo does not control has no parameters. */
   async #param(axis) {
     const told = await this.link.call("MGETPARAM", { axis }).catch(() => null);
-    if (this.connected) this.driver.params[axis] = told?.param ?? null;
+    if (this.connected) this.#has(axis, told?.param ?? null);
+  }
+
+  #has(axis, param) {
+    const params = Object.assign([...this.driver.params], { [axis]: param });
+    this.driver = { ...this.driver, params };
   }
 
   async #readInputs() {
@@ -208,7 +237,7 @@ export class Machine extends Source {
   /** Changes some fields of an axis's parameters; resolves once the driver has taken them. */
   async change(axis, param) {
     const told = await this.link.request("change", { axis, param });
-    this.driver.params[axis] = told.param;
+    this.#has(axis, told.param);
     this.tell("driver");
     return told.param;
   }
@@ -277,7 +306,7 @@ export class Machine extends Source {
 
   say(kind, text) {
     const event = { t: this.history?.now ?? 0, kind, axis: -1, value: 0, text };
-    this.messages.push(event);
+    keep(this.messages, event);
     this.tell("event", event);
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page's one store: the machine, the moment looked at, the chosen axis, drafts, units. Every view is
-// a function of it; whoever changes something in it calls changed(), and all that is visible is drawn anew.
+// The page's one store: the machine, the moment looked at, the chosen axis and view, drafts, units, and what
+// is asked for in each view. Every view is a function of it; whoever changes something in it calls changed(),
+// and all that is visible is drawn anew.
 
 import { parseInteger, Source } from "./dom.js";
 import { Drafts } from "./drafts.js";
@@ -11,8 +12,8 @@ const FASTEST_US = 100;
 const SLOWEST_US = 1e9;
 
 export class Page extends Source {
-  /** asked: of the address. advice: null: no designer (docs/use/tool.md); labs makes what answers for
-   * the lab sheets (web/labs.js). */
+  /** asked: of the address. advice designs and identifies (web/tune.js); labs makes what answers for the
+   * lab sheets (web/labs.js). */
   constructor(machine, { advice, labs }, asked = new URLSearchParams()) {
     super();
     this.machine = machine;
@@ -24,22 +25,32 @@ export class Page extends Source {
     this.axis = 0; // the chosen one
     this.moment = null; // s: the whole page shows this one; null: the latest
     this.oldest = 0; // s: of the snapshots
+    this.view = asked.get("view") ?? localStorage.getItem("view"); // beside the scope
+    this.turn = { around: 0.8, above: 0.35, away: 2.6 }; // how the arm is seen, rad, m
     this.filter = ""; // of the log
-    this.fault = { name: "", search: "", index: "0", value: "", since: 0 }; // what the view of faults asks for
-    this.view = asked.get("view"); // shown first
+    this.fault = { name: "", search: "", index: "0", value: "", since: 0 };
+    this.registers = new Map(); // name of a register -> what was read
+    this.scope = { window_s: 2, trigger: "none", field: "setpoint", level: "1", before: "30",
+      again: false, channels: null, overlays: [], marks: [null, null], held: null }; // web/scope.js
+    this.tune = { progress: "", verdict: "", fine: null, rows: {}, curves: [], before: null,
+      tuned: null, undo: false, keep: false, motors: new Map() }; // web/tune.js
+    this.lab = { sheets: null, sheet: null, said: "", marks: null, busy: false, asked: 0,
+      typed: new Map(), grader: null }; // web/labs.js
+    this.waves = { waves: null, t: null, ms: "2", said: "", hidden: new Set(), marks: [null, null],
+      view: null, at: 0, zero: 0, selected: null }; // web/waves.js
     this.all = asked.get("theme") === "1989"; // panels of all axes
     this.follows = !asked.has("u"); // counts, A/D and current
     this.asked = false; // Enable was pressed although the hand-held button is
-    this.arm = this.scope = null; // made by app.js and tabs.js
-    this.draw = null;
     this.drafts = new Drafts(error => machine.say("error", error.message), () => this.changed());
     machine.on("wire:rewind", () => this.look(null));
     machine.on("inputs wire:enabled wire:lease", () => {
       this.asked = false; // a question waits for its answer until what it was about has changed
     });
-    machine.on("driver control wire:enabled inputs wire:lease closed stopPath",
-      () => this.changed());
-    this.units.on("change", () => this.changed());
+    machine.on("driver control inputs closed stopPath", () => this.changed());
+    advice.on("progress", ({ text, lend }) => {
+      if (text) this.put("tune", { progress: text });
+      if (lend) machine.ask("lease", { give: lend }); // until reclaim()
+    });
   }
 
   changed() {
@@ -51,16 +62,19 @@ export class Page extends Source {
     this.changed();
   }
 
-  look(t) {
-    this.moment = t;
-    this.tell("look");
+  /** Changes some of what a view asks for. */
+  put(part, values) {
+    Object.assign(this[part], values);
     this.changed();
   }
 
+  look(moment) {
+    this.set({ moment });
+  }
+
   choose(axis) {
-    this.axis = Math.max(0, Math.min(axis, this.axes.length - 1));
-    this.tell("choose");
-    this.changed();
+    this.registers.clear();
+    this.set({ axis: Math.max(0, Math.min(axis, this.axes.length - 1)) });
   }
 
   /** Whether a moment of the past is shown: then nothing here may change the machine. */
@@ -85,24 +99,44 @@ export class Page extends Source {
     return this.machine.history.time(this.row);
   }
 
+  /** LINES of that row. */
+  get lines() {
+    return this.machine.history.lines(this.row);
+  }
+
+  /** The values of an axis in that row; null: there are none. */
+  at(axis) {
+    return this.row < 0 ? null : this.machine.history.at(axis, this.row);
+  }
+
+  /** What the driver has; had, at a moment of the past; before this page came, the first that it knows. */
+  get driver() {
+    const { driver, drivers } = this.machine;
+    if (!this.past) return driver;
+    return drivers.findLast(({ t }) => t <= this.moment) ?? drivers[0] ?? driver;
+  }
+
+  /** From when to when the scope shows, s. */
+  get span() {
+    const { held, window_s } = this.scope;
+    const end = this.past ? this.moment + window_s / 2 : this.machine.history.now;
+    return held ?? [end - window_s, end];
+  }
+
+  /** What waveforms are asked of: the scope's cursor A, or the middle of a view that stands; null: neither. */
+  get marked() {
+    const { marks, held } = this.scope;
+    return marks[0] ?? (held && (held[0] + held[1]) / 2);
+  }
+
   get title() {
     const { hello } = this.machine;
     return this.about.title ? `${this.about.title}, simulated` : (hello.scenario ?? hello.server);
   }
 
-  /** Mode word of an axis at the moment shown. */
-  modeWord(axis) {
-    const now = this.machine.driver.params[axis].mode;
-    if (!this.past) return now;
-    const isOwn = one => one.kind === "mode" && one.axis === axis && !one.left;
-    const changes = this.machine.messages.filter(isOwn);
-    const last = changes.findLast(({ t }) => t <= this.moment);
-    return last ? last.value : changes.length ? 0 : now;
-  }
-
   /** Seconds between servo samples of an axis. */
   interval_s(axis) {
-    const { interval_us, params } = this.machine.driver;
+    const { interval_us, params } = this.driver;
     return interval_us * 1e-6 * (params[axis]?.clkdivisor ?? 1);
   }
 
@@ -176,7 +210,6 @@ export class Page extends Source {
   /** {coefficients, warnings} of continuous gains. Rejects with a line for people. */
   async design(asked, axis) {
     const by = this.machine.hello.server === "page" ? this.machine.link : this.advice;
-    if (!by) throw new Error("there is no designer here; set a2 … b0 by number");
     return by.request("design", { ...asked, interval_s: this.interval_s(axis) });
   }
 }

@@ -53,8 +53,8 @@ function panel(page, axis) {
 
 /** What the axis does at the moment shown. */
 function state(page, { number: n, param }) {
-  const { units, row: at, machine } = page;
-  const now = at >= 0 && page.follows ? machine.history.at(n, at) : null;
+  const { units } = page;
+  const now = page.follows ? page.at(n) : null;
   const shown = (name, quantity, value) => {
     const text = now && (quantity ? units.show(n, quantity, value) : value);
     const named = { id: `axis${n}-${name}`, "aria-label": `axis ${n} ${name}` };
@@ -79,10 +79,10 @@ function setpoint(axis, control) {
 }
 
 function note(page, { number, param, mode }) {
-  const { about } = page;
+  const { about, machine } = page;
   const said = [];
-  if (page.past)
-    said.push("The past: setpoint, counts and current of that moment; gains and mode of now.");
+  if (page.past && page.moment < machine.drivers[0]?.t)
+    said.push("This page came later: gains and mode are those that it met.");
   if (about.servo && !about.motors[number])
     said.push("No motor is connected to this axis: it will not move.");
   const report = "chapter 3 of the report calls it a sawtooth";

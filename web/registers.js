@@ -21,11 +21,8 @@ export function fieldsText(register, value) {
   ).join(", ");
 }
 
-/** The view of a page, as a function. */
 export function registers(page) {
-  const { machine } = page;
-  const values = new Map(); // name of a register -> what was read
-  page.on("choose", () => values.clear());
+  const { machine, registers: values } = page;
   const place = register => offsetOf(register, page.axis >> 1);
 
   async function read(register) {
@@ -62,11 +59,10 @@ export function registers(page) {
   const readAll = async () => {
     for (const register of REGISTERS) await read(register);
   };
-  return () =>
-    h("div", { class: "registers" },
-      h("p", {}, "Each read and write is a bus cycle of the machine, beside those of the driver."),
-      row(h("b", {}, `Card ${page.axis >> 1}, of the chosen axis`),
-        button("", "Read all that can be read", readAll)),
-      h("table", {}, h("thead", {}, cells([["address", "name", "value", "fields", "write"]], "th")),
-        h("tbody", {}, cells(REGISTERS.map(line)))));
+  return h("div", { class: "registers" },
+    h("p", {}, "Each read and write is a bus cycle of the machine, beside those of the driver."),
+    row(h("b", {}, `Card ${page.axis >> 1}, of the chosen axis`),
+      button("", "Read all that can be read", readAll)),
+    h("table", {}, h("thead", {}, cells([["address", "name", "value", "fields", "write"]], "th")),
+      h("tbody", {}, cells(REGISTERS.map(line)))));
 }

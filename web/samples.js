@@ -154,6 +154,11 @@ export class History {
     return low;
   }
 
+  /** LINES in a sample; none before the first. */
+  lines(row) {
+    return row >= this.#first ? this.value(row, this.linesColumn) : 0;
+  }
+
   /** Bits of a card's lights in a sample, the latest if none is named. */
   lights(card, row = this.end - 1) {
     return row >= this.#first ? this.value(row, this.lightsColumn(card)) : 0;

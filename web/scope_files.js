@@ -13,9 +13,8 @@ export function recordings(scope) {
   /** Gives the text of the view that is held, else of all, piece by piece to take(text, last). */
   async function write(take) {
     const { history } = machine;
-    const { held } = scope;
-    const [from, to] = held ? [history.find(held.from), history.find(held.to)]
-      : [history.first, history.end];
+    const { held } = scope.state;
+    const [from, to] = held ? held.map(t => history.find(t)) : [history.first, history.end];
     const head = csvHead(history);
     const pieces = history.pieces(from, to);
     const worker = new Worker("saving.js", { type: "module" });
@@ -69,5 +68,5 @@ export function recordings(scope) {
     button("scope-open", "Open", () => byId("scope-file").click()),
     h("input", { type: "file", id: "scope-file", accept: ".csv", multiple: true, hidden: true,
       onChange: ({ target }) => open(/** @type {any} */ (target).files) }),
-    button("", "Close recordings", () => scope.closeAll())];
+    button("", "Close recordings", () => scope.put({ overlays: [] }))];
 }

@@ -7,7 +7,7 @@ import { askedNumber, byId, download, parseInteger } from "./dom.js";
 import { json, startMachine } from "./engine/carrier.js";
 import { PageAdvice, PageLabs } from "./engine/labs.js";
 import { pack, readRecord, setupOf, unpack } from "./engine/record.js";
-import { button, h, labelled, render, textBox, typed } from "./html.js";
+import { button, folded, h, labelled, render, textBox, typed } from "./html.js";
 
 const FIRST = "puma560";
 const FASTEST = 1000;
@@ -59,7 +59,7 @@ const link = changes => {
   for (const [name, value] of Object.entries(changes)) made.set(name, value);
   return `${location.pathname}?${made}`;
 };
-const go = changes => location.assign(link({ scenario: byId("scenario").value, ...changes }));
+const go = changes => location.assign(link(setup ? { scenario: setup.name, ...changes } : changes));
 const keep = async text =>
   history.replaceState(null, "", `${location.pathname}${KEPT}${await pack(text)}`);
 const post = record => worker.postMessage({ record });
@@ -70,12 +70,13 @@ const replay = (/** @type {any} */ { target }) =>
 function bench(told = {}) {
   const { playing, reached, duration, speed, recorded, spoiled, hash, build } = told;
   const folders = [...new Set(scenarios.map(one => one.folder))];
-  const option = ({ name, description }) =>
-    h("option", { value: name, title: description, selected: name === setup?.name }, name);
+  const choice = ({ name, description }) =>
+    button("", name, () => go({ scenario: name }), { title: description, value: name });
   const folder = label =>
-    h("optgroup", { label }, scenarios.filter(one => one.folder === label).map(option));
+    h("div", { class: "row" }, h("b", {}, label), scenarios.filter(one =>
+      one.folder === label
+    ).map(choice));
   const still = asked.get("plays") === "0";
-  const choose = { id: "scenario", "aria-label": "scenario", onChange: () => go({}) };
   const seeds = { size: 5, inputMode: "numeric", onChange: typed(seed => go({ seed })) };
   const alone = { title: "the machine as `mmcs tool` starts it: nobody moves it but you" };
   const to = isRecord ? location.href
@@ -90,7 +91,7 @@ function bench(told = {}) {
     && (hash === expected.hash ? ", as recorded" : `, recorded ${expected.hash}`);
   const by = expected && build !== expected.build
     && ` by build ${expected.build}, this is ${build}`;
-  render([labelled("Scenario", h("select", choose, folders.map(folder))),
+  render([folded("scenario", `Scenario ${setup?.name ?? ""}`, folders.map(folder)),
     labelled("Seed", textBox("seed", { ...seeds, defaultValue: setup?.seed ?? "" })),
     button("again", "Run again", () => (isRecord ? location.reload() : go({}))),
     button("alone", still ? "With its motion" : "Without its motion",

@@ -5,7 +5,7 @@ import { errorWords, isInitial, MODE_MASK, MODES } from "./params.js";
 import { LINES } from "./samples.js";
 import { DAC_V } from "./units.js";
 
-const FROZEN_MS = 1000;
+const FROZEN_S = 1;
 const BEFORE_S = 0.06; // so long before power went, its cause may have come: a heartbeat lasts 50 ms
 const NEAR_S = 0.1; // of the last sample, a fault that may have ended them
 const RECENT = 400; // messages in which the end of power is explained
@@ -77,18 +77,20 @@ export function causeOf(events, t) {
 
 const say = (kind, cause, next, more = {}) => ({ kind, cause, next, ...more });
 
-/** The fault about the last sample, while none has come since; now: ms of this page. */
-export function endedBy({ messages, history, paused, heard }, now) {
+const isFrozen = ({ paused, silent_s }) => !paused && silent_s > FROZEN_S;
+
+/** The fault about the last sample, while none has come since. */
+export function endedBy(machine) {
+  const { messages, history } = machine;
   const isLast = ({ kind, t, left }) => kind === "fault" && !left && t >= history.now - NEAR_S;
-  return !paused && now - heard > FROZEN_MS ? messages.find(isLast) : undefined;
+  return isFrozen(machine) ? messages.find(isLast) : undefined;
 }
 
 /** The banner while no sample comes. */
-function frozen(machine, now, next) {
-  const seconds = ((now - machine.heard) / 1000).toFixed(0);
-  const cause = `No sample for ${seconds} s: what is shown stands still.`;
+function frozen(machine, next) {
+  const cause = `No sample for ${machine.silent_s.toFixed(0)} s: what is shown stands still.`;
   if (!takesSamples(machine)) return say("bad", cause, next);
-  const fault = endedBy(machine, now);
+  const fault = endedBy(machine);
   const busy = "The computer may be too busy, or the server hangs; STOP has a way of its own.";
   if (!fault) return say("bad", cause, busy);
   const before = fault.t - BEFORE_S;
@@ -101,7 +103,7 @@ function driving(page, offer) {
   const { machine, about } = page;
   const { history, paused, controls } = machine;
   const causes = panicCauses(machine).join("; ") || "cause unknown";
-  if (history.value(history.end - 1, history.linesColumn) & LINES.panic)
+  if (page.lines & LINES.panic)
     return say("bad", `PANIC: ${causes}.`, "Brakes hold. Mend the cause, then Enable.");
   const errors = Array.from({ length: history.axes }, (_, n) => history.latest(n).errcode & 0xff);
   const at = errors.findIndex(Boolean);
@@ -120,8 +122,7 @@ function driving(page, offer) {
 }
 
 /** The banner while a moment of the past is shown. */
-function pastOf({ machine, t, row }) {
-  const lines = machine.history.value(row, machine.history.linesColumn);
+function pastOf({ machine, t, lines }) {
   const then = [lines & LINES.enabled ? "servo on" : "servo off",
     lines & LINES.brakes ? "brakes off" : "brakes on"];
   const now = machine.enabled ? " The machine drives now: STOP works as ever." : "";
@@ -150,11 +151,11 @@ export function stuckAxis({ history, driver }, motors) {
 }
 
 /** {kind, cause, next, offer, before}: kind is bad, warn, good, rest or past; offer: the robot's gains
- * would help; before: s, going back to there would. now: ms of this page.
+ * would help; before: s, going back to there would.
  * @returns {{kind: string, cause: string, next: string, offer?: boolean, before?: number}} */
-export function condition(page, now) {
+export function condition(page) {
   const { machine } = page;
-  const { history, powerEnd, driver, paused, controls } = machine;
+  const { history, powerEnd, driver, controls } = machine;
   const ended = "A page that controlled it has stopped it by its end. Trying again every second.";
   if (!machine.connected) return say("bad", "Not connected to the machine.", ended);
   const waits = "Control waits for it. Load the page by the address that mmcs tool printed.";
@@ -166,9 +167,8 @@ export function condition(page, now) {
   const offer = controls && driver.params.some((param, n) => isInitial(param) && page.differs(n));
   const next = missing.length ? `Enable lacks ${missing.join("; ")}.`
     : "Enable (E, then Enter) drives and opens the brakes.";
-  if (!paused && now - machine.heard > FROZEN_MS) return frozen(machine, now, next);
-  if (history.value(history.end - 1, history.linesColumn) & LINES.enabled)
-    return driving(page, offer);
+  if (isFrozen(machine)) return frozen(machine, next);
+  if (page.lines & LINES.enabled) return driving(page, offer);
   if (powerEnd === null) return say("rest", "At rest, brakes on.", next, { offer });
   const why = causeOf(machine.messages.slice(-RECENT).filter(({ left }) => !left), powerEnd);
   return say("warn", `Stopped at ${powerEnd.toFixed(3)} s: ${why}.`, next, { offer });

@@ -13,9 +13,8 @@ import { Scope } from "./scope.js";
 import { tuneView } from "./tune.js";
 import { WavesView } from "./waves.js";
 
-/** update with the state, draw with the pictures; changes: the machine.
- * @typedef {{title: string, element: HTMLElement, changes?: boolean, visible?: boolean,
- *   shown?(): void, update(): void, draw?(): void}} View */
+/** element: of the page; update with the state, draw with the pictures; changes: the machine.
+ * @typedef {{element: HTMLElement, changes?: boolean, update(): void, draw?(): void}} View */
 
 const LEAST = 20; // width of a pane, % of its room
 const BY_KEY = 2;
@@ -44,48 +43,51 @@ function splitter(room, name, start) {
   return bar;
 }
 
-/** A view that is a function of the page; changes: the machine. */
-function rendered(page, title, of, changes = false) {
+/** A view that is a function of the page; changes: the machine.
+ * @returns {View} */
+function rendered(page, of, changes = false) {
   const element = el("div");
-  return { title, element, update: () => render(of(page), element), changes };
+  return { element, update: () => render(of(page), element), changes };
 }
 
+/** All views as one. */
 export function tabs(page) {
-  page.scope = new Scope(page);
-  const waves = new WavesView(page);
-  /** @type {View[]} */
-  const views = [page.scope, tuneView(page), rendered(page, "Machine", front),
-    rendered(page, "Registers", registers(page), true), rendered(page, "Faults", faults, true),
-    waves, rendered(page, "Labs", labs(page)), rendered(page, "Log", log)];
+  /** @type {Object<string, View>} */
+  const views = { scope: new Scope(page), tune: tuneView(page), machine: rendered(page, front),
+    registers: rendered(page, registers, true), faults: rendered(page, faults, true),
+    waves: new WavesView(page), labs: rendered(page, labs), log: rendered(page, log) };
   const [bar, room] = [byId("tabs"), byId("views")];
-  const id = ({ title }) => `tab-${title.toLowerCase()}`;
+  const title = name => name[0].toUpperCase() + name.slice(1);
+  const seen = () => [...new Set(["scope", page.view])].map(name => views[name]); // the scope always
+  const draw = () => seen().forEach(view => view.draw?.());
+  const sizes = new ResizeObserver(draw);
+  for (const [name, { element }] of Object.entries(views)) {
+    element.id ||= `view-${name}`;
+    element.setAttribute("aria-labelledby", `tab-${name}`);
+    element.role = "tabpanel";
+    sizes.observe(element);
+  }
   bar.addEventListener("keydown", walk); // arrows go from tab to tab
   const between = splitter(room, "scope", 50);
-  const show = chosen => {
-    const tab = (view, n) =>
-      button(id(view), view.title, () => show(n), { role: "tab",
-        "aria-selected": String(n === chosen), tabIndex: n === chosen ? 0 : -1 });
-    render(views.map(tab), bar);
-    views.forEach((view, n) => {
-      view.visible = !n || n === chosen; // the scope always
-    });
-    room.className = chosen ? "beside" : "";
-    room.replaceChildren(views[0].element, ...(chosen ? [between, views[chosen].element] : []));
-    views[chosen].update();
-    views[chosen].shown?.();
-    localStorage.setItem("view", String(chosen));
-  };
-  views.forEach(view => {
-    view.element.id ||= id(view).replace("tab", "view");
-    view.element.setAttribute("aria-labelledby", id(view));
-    view.element.role = "tabpanel";
-  });
-  page.on("waves", t => {
-    show(views.indexOf(waves));
-    waves.ask(t);
-  });
   byId("side").before(splitter(document.querySelector("main"), "axis", 32));
-  const asked = views.findIndex(({ title }) => title.toLowerCase() === page.view);
-  show(asked >= 0 ? asked : Number(localStorage.getItem("view")) % views.length);
-  return views;
+  let beside = null;
+  if (!(page.view in views)) page.view = "scope"; // the address may hold anything
+  const update = () => {
+    const tab = name =>
+      button(`tab-${name}`, title(name), () => page.set({ view: name }), { role: "tab",
+        "aria-selected": String(name === page.view), tabIndex: name === page.view ? 0 : -1 });
+    render(Object.keys(views).map(tab), bar);
+    if (beside !== page.view) {
+      beside = page.view;
+      const [scope, other] = seen();
+      room.className = other ? "beside" : "";
+      room.replaceChildren(scope.element, ...(other ? [between, other.element] : []));
+      localStorage.setItem("view", beside);
+    }
+    for (const view of seen()) {
+      view.element.inert = page.past && Boolean(view.changes);
+      view.update();
+    }
+  };
+  return { update, draw };
 }

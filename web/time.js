@@ -5,6 +5,7 @@
 
 import { button, choice, h, labelled, output, row, typed } from "./html.js";
 import { line } from "./log.js";
+import { askWaves } from "./waves.js";
 
 const SPEEDS = [0.01, 0.1, 0.5, 1, 2, 5].map(speed => [speed, `${speed} ×`]);
 const STEP_S = 0.01;
@@ -17,13 +18,13 @@ export function timeBar(page) {
   const { machine, moment } = page;
   const { history, controls, paused } = machine;
   const to = history.now;
-  const from = Math.min(to, Math.max(0, page.oldest));
+  const from = Math.min(to, Math.max(page.oldest, to && history.time(history.first)));
   const place = t => (t - from) / Math.max(1e-9, to - from);
   const look = at => page.look(at >= STEPS ? null : from + (at / STEPS) * (to - from));
   const dead = { disabled: !controls };
   const asks = (op, args = {}) => () => machine.ask(op, args);
   const back = () => page.goBack(moment);
-  const waves = () => page.tell("waves", moment);
+  const waves = () => askWaves(page, moment);
   const marks = machine.messages.filter(({ kind, t, value }) =>
     MARKS[kind] && t >= from && t <= to && (kind !== "stopped" || value)
   ).slice(-MOST_MARKS);

@@ -10,21 +10,15 @@ const STEP_S = 0.6; // of a step, recorded
 const LONGEST_MS = 600_000; // that it may take on a slow computer
 const FIELDS = { wn: "bandwidth, rad/s", zeta: "damping", half: "safe counts to each side" };
 
+/** Its part of the store: before, tuned: {axis, param}, what auto-tune found and made; motors: axis ->
+ * {motor, away, wn, zeta}, as identified, and what was asked; curves: [unit, measured, expected,
+ * logarithmic], of curves [x, y]. */
 export function tuneView(page) {
-  const { machine, advice } = page;
-  const motors = new Map(); // axis -> {motor, away, wn, zeta}: as identified, and what was asked
-  const state = { progress: "", verdict: "", fine: null, rows: {}, before: null, tuned: null,
-    undo: false, keep: false }; // before, tuned: {axis, param}: what auto-tune found and made
+  const { machine, advice, tune: state } = page;
+  const { motors } = state;
   const head = el("div", { className: "head" });
   const plots = el("div", { className: "plots" });
-  const put = values => {
-    Object.assign(state, values);
-    page.changed();
-  };
-  advice.on("progress", ({ text, lend }) => {
-    if (text) put({ progress: text });
-    if (lend) machine.ask("lease", { give: lend }); // until reclaim()
-  });
+  const put = values => page.put("tune", values);
 
   /** What was typed into some of the fields, by name. Throws one sentence. */
   function typed(...names) {
@@ -68,8 +62,7 @@ export function tuneView(page) {
         "viscous, 1/s": motor.lag.toFixed(2),
         "Coulomb +, −, break-away, D/A units": coulomb.join(", "),
         "fit of the motion": motor.fit.toFixed(3), "P, I, D, filter in ms": pid.join(", "),
-        "phase margin": `${margins.phase_deg.toFixed(0)}°` } });
-    beside(step, predicted);
+        "phase margin": `${margins.phase_deg.toFixed(0)}°` }, curves: beside(step, predicted) });
   }
 
   /** Parameters as they were before auto-tune, or as it made them. */
@@ -102,8 +95,7 @@ export function tuneView(page) {
       ...known(axis), size }); // without a motor: figures, and no verdict
     if (done.verdict) put({ fine: done.fine, verdict: done.verdict });
     const made = await predict(axis, { step: size, seconds: done.t.at(-1) });
-    put({ rows: figures(done, made) });
-    beside(done, made);
+    put({ rows: figures(done, made), curves: beside(done, made) });
   }
 
   /** What Python expects of an axis, once its motor is known. */
@@ -111,7 +103,10 @@ export function tuneView(page) {
     return motors.has(axis) ? advice.request("predict", { ...known(axis), ...more }) : null;
   }
 
-  /** Curves [x, y]: what was measured and, where the motor is known, what was to be expected. */
+  const beside = (step,
+    expected) => [["counts", [step.t, step.y], expected && [expected.t, expected.y]]];
+
+  /** What was measured and, where the motor is known, what was to be expected. */
   function plot(unit, measured, expected, logarithmic = false) {
     const look = { stroke: colour("--soft"), grid: { stroke: colour("--shade") },
       ticks: { stroke: colour("--shade") } };
@@ -125,26 +120,31 @@ export function tuneView(page) {
       uPlot.join([measured, ...(expected ? [expected] : [])]), plots);
   }
 
-  function beside(step, expected) {
-    plots.replaceChildren();
-    plot("counts", [step.t, step.y], expected && [expected.t, expected.y]);
-  }
-
   async function bode() {
     const { axis } = page;
     const chirp = { amplitude: Math.abs(typedStep()) / 2, low: 1, high: 40, seconds: 12 };
     const { hz, gain_db, phase_deg, coherence } = await experiment("chirp", chirp);
-    plots.replaceChildren();
     const model = await predict(axis);
-    plot("dB", [hz, gain_db], model && [model.hz, model.bode_db], true);
-    plot("°", [hz, phase_deg], model && [model.hz, model.bode_deg], true);
-    plot("coherence", [hz, coherence], null, true);
+    put({
+      curves: [["dB", [hz, gain_db], model && [model.hz, model.bode_db], true], ["°", [hz,
+        phase_deg], model && [model.hz, model.bode_deg], true], ["coherence", [hz, coherence], null,
+        true]],
+    });
   }
 
   const does = act => () =>
     machine.try(machine.controls ? act() : Promise.reject(new Error("take control first")));
   const number = (name, value) =>
     textBox(`tune-${name}`, { defaultValue: value, "aria-label": FIELDS[name] });
+  let drawn = "";
+  let shown = null;
+  const draw = () => {
+    const look = `${plots.clientWidth} ${colour("--ink")}`;
+    if (look === drawn && shown === state.curves || !plots.clientWidth) return;
+    [drawn, shown] = [look, state.curves];
+    plots.replaceChildren();
+    state.curves.forEach(one => plot(...one));
+  };
   const update = () => {
     const { progress, verdict, fine, rows, before, tuned, undo, keep } = state;
     const good = fine === null ? "" : fine ? "good" : "bad";
@@ -171,8 +171,7 @@ export function tuneView(page) {
       h("table", { id: "tune-result" }, cells(Object.entries(rows))),
     ], head);
   };
-  return { title: "Tune", element: el("div", { className: "tune" }, head, plots), update,
-    changes: true };
+  return { element: el("div", { className: "tune" }, head, plots), update, draw, changes: true };
 }
 
 function figures(measured, predicted) {

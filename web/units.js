@@ -4,21 +4,14 @@
 // quantity: position (counts), current and code (D/A units), adc (A/D units). A number that is shown is
 // the driver's times `by`; what is typed is divided by it and rounded to what the driver can have.
 
-import { Source } from "./dom.js";
-
 export const DAC_V = 10 / 2048; // ±10 V
 const OWN = { position: "counts", current: "D/A units", code: "D/A units", adc: "A/D units" };
 
-export class Units extends Source {
-  constructor(motors = []) {
-    super();
-    this.motors = motors;
-    this.physical = false;
-  }
+export class Units {
+  physical = false;
 
-  set(physical) {
-    this.physical = physical;
-    this.tell("change");
+  constructor(motors = []) {
+    this.motors = motors;
   }
 
   /** {by, unit, digits} of a quantity of an axis. */

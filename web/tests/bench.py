@@ -86,6 +86,12 @@ def pick(page, choice: str, value: str) -> None:
     page.click(f"{choice} [value='{value}']")
 
 
+def unfold(page, choice: str, value: str) -> None:
+    """Presses one of the buttons behind a word."""
+    page.click(f"{choice} summary")
+    pick(page, choice, value)
+
+
 def chosen(page, choice: str) -> str:
     return page.get_attribute(choice, "data-value")
 

@@ -84,10 +84,7 @@ def test_nothing_overflows_at_1280_by_800_and_on_a_telephone(desk):
         page.set_viewport_size(size)
         page.wait_for_timeout(400)
         assert page.evaluate(wide) <= 0 and page.evaluate(inside) == []
-    order = page.evaluate(
-        "() => ['stop', 'side', 'tiles', 'axis'].map((id) => "
-        "document.getElementById(id).getBoundingClientRect().top)"
-    )
+    order = [page.locator(one).bounding_box()["y"] for one in ("#stop", "#side", "#tiles", "#axis")]
     assert order == sorted(order)  # STOP and the scope first
     page.set_viewport_size({"width": 1280, "height": 800})
     page.evaluate("() => document.querySelectorAll('details').forEach((d) => (d.open = false))")

@@ -4,7 +4,7 @@
 import tomllib
 
 import pytest
-from bench import picture, saved
+from bench import picture, saved, unfold
 
 from mmcs import ensure_library
 from mmcs_labs.marks import grade, read_answer
@@ -17,8 +17,7 @@ ROWS = """() => [...document.querySelectorAll("#lab-marks tbody tr")]
 def open_sheet(desk, number: int) -> None:
     page = desk.page
     page.click("#tab-labs")
-    desk.until("() => document.querySelectorAll('.lab-form input').length")
-    page.select_option("#lab-sheet", str(number))
+    unfold(page, "#lab-sheet", str(number))
     title = find_sheet(str(number)).title
     desk.until("t => document.querySelector('.lab-text h1').textContent === t", title)
 
@@ -44,7 +43,7 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     ensure_library(1, "speed")  # the page would wait for it, too, but not the test
     page = desk.page
     open_sheet(desk, 1)
-    titles = page.evaluate("() => [...document.getElementById('lab-sheet')].map((o) => o.text)")
+    titles = page.locator("#lab-sheet button").all_text_contents()
     assert titles == [f"{sheet.number} {sheet.title}" for sheet in sheets()]
     assert "mmcs run speed.toml" in page.inner_text(".lab-text")
     assert "mmcs lab start 1" in page.inner_text("#lab-commands")
@@ -65,12 +64,12 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     assert read_answer(sheet, tmp_path) == read_answer(sheet, path)
     page.fill("#lab-mean_cps", "1,5x")
     typing = page.query_selector("#lab-mean_cps")
-    page.select_option("#lab-sheet", "1")  # the one that is shown: no key press is lost
+    unfold(page, "#lab-sheet", "1")  # the one that is shown: no key press is lost
     assert check(desk).startswith("answer.toml: ") and page.is_hidden("#lab-marks")
     assert typing.evaluate("field => field.isConnected")
-    page.select_option("#lab-sheet", "7")
+    unfold(page, "#lab-sheet", "7")
     desk.until("() => document.getElementById('lab-stall_ms')")
-    page.select_option("#lab-sheet", "1")
+    unfold(page, "#lab-sheet", "1")
     desk.until("() => document.getElementById('lab-mean_cps')")
     assert page.input_value("#lab-mean_cps") == "1,5x"  # what was typed is kept
     assert page.evaluate("() => mctool.machine.controls")  # grading goes on beside the machine
@@ -85,8 +84,6 @@ def test_gains_come_from_the_chosen_axis(desk):
     desk.until("() => mctool.machine.driver.params[3].a0 === 7654")
     page.click("#lab-take-servo")
     param = desk.param(3)
-    taken = page.evaluate(
-        "() => [...document.querySelectorAll('.lab-form input[id^=\"lab-servo.\"]')]"
-        ".map((e) => [e.id.slice(10), Number(e.value)])"
-    )
+    boxes = page.locator("[id^='lab-servo.']")
+    taken = boxes.evaluate_all("all => all.map((e) => [e.id.slice(10), Number(e.value)])")
     assert len(taken) == 8 and dict(taken) == {name: param[name] for name, _ in taken}

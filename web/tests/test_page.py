@@ -41,11 +41,10 @@ def test_modes_sources_feedback_and_switches(desk):
     for name, word in (("pos", POS), ("vel", VEL), ("torq", TORQ), ("test1", TEST1), ("off", 0)):
         choose(desk, "mode", name, lambda mode, word=word: mode & 0xF == word)
     choose(desk, "mode", "vel", lambda mode: mode & 0xF == VEL)
-    setpoint = desk.page.locator("#axis0-panel .setpoint")
-    desk.eventually(lambda: "counts/sample" in setpoint.inner_text())
+    desk.page.wait_for_selector("#axis0-panel .setpoint:has-text('counts/sample')")
     choose(desk, "setpoint source", "ad", lambda mode: mode & FLAGS["ADDMD"])
     choose(desk, "setpoint source", "square", lambda mode: not mode & FLAGS["ADDMD"])
-    desk.eventually(lambda: "Amplitude" in setpoint.inner_text())
+    desk.page.wait_for_selector("#axis0-panel .setpoint:has-text('Amplitude')")
     choose(desk, "feedback", "ad", lambda mode: mode & FLAGS["ADFB"])
     choose(desk, "feedback", "zero", lambda mode: mode & FLAGS["ZEROFB"])
     desk.page.check('[id="axis0-Coulomb compensation"]')
@@ -59,13 +58,9 @@ def test_changes_asked_for_faster_than_the_machine_answers_come_in_turn(desk):
     page = desk.page
     page.evaluate(
         """() => {
-          const { link } = mctool.machine;
-          const ask = link.request.bind(link);
-          link.request = async (...args) => {
-            const reply = await ask(...args);
-            await new Promise((done) => setTimeout(done, 300));
-            return reply;
-          };
+          const { link } = mctool.machine, ask = link.request.bind(link);
+          const late = (reply) => new Promise((done) => setTimeout(done, 300, reply));
+          link.request = (...args) => ask(...args).then(late);
         }"""
     )
     for what, value in (("mode", "pos"), ("setpoint source", "ad"), ("feedback", "ad"),
@@ -138,9 +133,9 @@ def test_a_joint_dragged_by_hand_is_chosen_and_its_setpoint_follows(desk):
     page = desk.page
     choose(desk, "mode", "pos", lambda mode: mode == POS, 2)
     desk.choose(0)
-    desk.until("() => mctool.page.arm.seen.some(({ joint }) => joint === 2)")
+    desk.until("() => mctool.arm.seen.some(({ joint }) => joint === 2)")
     x, y = page.evaluate("""() => {
-      const { arm } = mctool.page;
+      const { arm } = mctool;
       const { from, to } = arm.seen.findLast(({ joint }) => joint === 2);
       const { left, top } = arm.element.getBoundingClientRect();
       return [left + (from.x + 3 * to.x) / 4, top + (from.y + 3 * to.y) / 4];
@@ -178,8 +173,7 @@ def test_the_page_closed_in_mid_move_stops_the_machine(desk):
     pick(desk.page, "#axis0-mode", "torq")
     pick(desk.page, '[id="axis0-setpoint source"]', "square")  # to and fro: it never rests
     enable(desk.page)
-    setpoint = desk.page.locator("#axis0-panel .setpoint")
-    desk.eventually(lambda: "Amplitude" in setpoint.inner_text())
+    desk.page.wait_for_selector("#axis0-panel .setpoint:has-text('Amplitude')")
     enter(desk.page, "#axis0-setpoint", "700")
     desk.until("() => mctool.machine.history.latest(0).vel > 2")
     before = desk.state()["time"]
@@ -202,7 +196,7 @@ def test_pictures_for_the_manual(desk):
     desk.until("() => mctool.page.axes[0].mode === 'pos'")
     page.click("#tab-scope")
     pick(page, '[id="axis0-setpoint source"]', "square")
-    desk.eventually(lambda: "Amplitude" in page.inner_text("#axis0-panel .setpoint"))
+    page.wait_for_selector("#axis0-panel .setpoint:has-text('Amplitude')")
     enter(page, "#axis0-setpoint", "4000")
     desk.until("() => mctool.machine.history.latest(0).setpoint < -2000")
     desk.until("() => mctool.machine.history.latest(0).setpoint > 2000")
@@ -237,6 +231,10 @@ def test_auto_tune_is_judged_undone_and_exported(desk, tmp_path):
     assert (servo["axis"], servo["a0"], servo["b0"]) == (4, tuned["a0"], tuned["b0"])
     page.click("#tune-undo")
     desk.eventually(lambda: desk.param(4) == before)
+    page.click("#tune-keep")
+    desk.eventually(lambda: desk.param(4)["a0"] == tuned["a0"])
+    page.click("#step-go")  # compared with what was asked for, too
+    desk.eventually(lambda: page.inner_text("#tune-verdict")[:1] in ("✓", "✗"))
 
 
 MISTAKES = {  # what is typed where: what the page says

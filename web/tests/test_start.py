@@ -29,10 +29,8 @@ def test_interval_zeroed_encoders_and_frozen_numbers(browser):
 def test_it_looks_as_under_sunview(browser, desk):
     old = desk.open("&theme=1989")
     assert old.evaluate("() => getComputedStyle(document.body).fontFamily").find("Mono") > 0
-    colours = old.evaluate(
-        "() => [...document.querySelectorAll('button, .panel, h2')].map((e) => "
-        "getComputedStyle(e).color + getComputedStyle(e).borderTopColor)"
-    )
+    looks = "all => all.map((e) => getComputedStyle(e)).map((e) => e.color + e.borderTopColor)"
+    colours = old.locator("button, .panel, h2").evaluate_all(looks)
     grey = [c for c in colours if len(set(c.replace("rgb(", "").split(")")[0].split(", "))) > 1]
     assert grey == []  # black and white, nothing else
     picture(old, "1989")

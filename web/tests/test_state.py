@@ -248,7 +248,11 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
     assert not stops(key(box, "Space"))
     desk.eventually(lambda: desk.param(0)["mode"] & mcdef.COULCOMP)
     assert not stops(key("#step-size", "Space")) and page.input_value("#step-size") == " "
-    assert page.locator("header select, main select").count() == 0
+    page.click("#tab-labs")
+    page.click("#lab-sheet summary")
+    assert stops(key("#lab-sheet summary", "Escape"))  # with an open list, too
+    assert page.locator("select").count() == 0
+    page.click("#tab-tune")
     mode = "#axis0-mode [tabindex='0']"
     for where in ("#clear", mode, "[id='axis0-P gain slider']", "#tab-tune"):
         assert stops(key(where, "Space")), where
@@ -327,10 +331,15 @@ def test_the_past_is_tinted_its_controls_are_dead_and_a_future_left_is_a_branch(
     choose(desk, "mode", "pos", lambda mode: mode == POS)
     page.click("#pause")
     enable(page)
+    page.evaluate("() => mctool.machine.change(0, { a0: 5 })")
+    page.evaluate("() => mctool.machine.setSetpoint(0, 3)")
     advance(0.2)
     moment = desk.link.request("snapshot")["snapshot"]["t"]
     advance(0.2)
     choose(desk, "mode", "vel", lambda mode: mode == VEL)
+    page.evaluate("() => mctool.machine.change(0, { a0: 7 })")
+    enter(page, "#interval", "4000")
+    desk.until("() => mctool.machine.driver.interval_us === 4000")
     page.click("#control")  # gives it back, and stops
     desk.until("() => !mctool.machine.enabled && !mctool.machine.controls")
     page.click("#control")
@@ -338,7 +347,9 @@ def test_the_past_is_tinted_its_controls_are_dead_and_a_future_left_is_a_branch(
     page.evaluate("t => mctool.page.look(t)", moment)
     dead = "#enable, #robot-gains, #clear, #interval, #axis0-mode [value=off], #axis0-ilim"
     assert [one for one in dead.split(", ") if page.is_enabled(one)] == []
-    assert page.inner_text("#tile0 .mode") == "Pos"
+    assert page.inner_text("#tile0 .mode") == "Pos" and chosen(page, "#axis0-mode") == "pos"
+    then = {"#axis0-setpoint": "3", "#interval": "2000", "#axis0-a0": "5"}
+    assert {one: page.input_value(one) for one in then} == then
     assert "servo on" in page.inner_text(".lamp >> nth=0")
     assert page.inner_text("#cause").endswith("servo on, brakes off.")
     assert page.evaluate("() => document.body.classList.contains('past')")

@@ -74,7 +74,7 @@ def test_the_hand_held_button(desk):
     desk.until("() => mctool.machine.history.value(mctool.machine.history.end - 1, 4) & 1")
     frame.wait_for_selector("#press:has-text('Release')")
     desk.page.click("#tab-machine")
-    desk.page.wait_for_selector("#panic-cause:has-text('button')")
+    desk.page.wait_for_selector(".front:has(.alarm:text('PANIC')) #panic-cause:text('button')")
     frame.click("#press")
     frame.wait_for_selector("#press:has-text('Hand')")
 

@@ -69,7 +69,7 @@ def test_fingers_carry_and_stretch_the_scope(desk):
     page = desk.page
     touch = page.context.new_cdp_session(page)
     box = page.locator(".screen").bounding_box()
-    view = "() => mctool.page.scope.view()"
+    view = "() => mctool.page.span"
 
     def fingers(kind: str, *xs: float) -> None:
         points = [{"x": box["x"] + x * box["width"], "y": box["y"] + 60, "id": n}
@@ -94,6 +94,12 @@ def test_fingers_carry_and_stretch_the_scope(desk):
     fingers("touchMove", 0.3, 0.7)
     fingers("touchEnd")
     desk.until(narrower, 0.6 * wide)
+    left, _ = page.evaluate(view)
+    page.press(".screen", "ArrowLeft")
+    assert page.evaluate(view)[0] < left
+    page.press(".screen", "0")  # rolls on
+    page.press("#scope-window", "End")
+    desk.until(f"() => {{ const [a, b] = ({view})(); return b - a > 599 }}")  # all that is kept
 
 
 def test_panes_stand_side_by_side_as_a_person_left_them(desk):
@@ -208,10 +214,9 @@ def test_minutes_are_saved_without_a_pause_of_the_page(desk, tmp_path):
 
 
 HOLD = """() => {
-  window.heldFrames = [];
   const ask = window.requestAnimationFrame;
   window.requestAnimationFrame = (f) => (window.holds ? heldFrames.push(f) : ask(f));
-  window.holds = true;
+  Object.assign(window, { heldFrames: [], holds: true });
 }"""
 
 
@@ -228,13 +233,14 @@ def test_state_waits_for_no_frame(desk):
     desk.until("() => mctool.machine.history.latest(4).setpoint === 694")
     desk.eventually(lambda: abs(int(page.inner_text("#axis4-count")) - 694) < 200)
     assert page.evaluate("() => heldFrames.length") == 1
+    page.evaluate(WRITTEN)
+    page.wait_for_timeout(600)  # longer than pictures are apart
+    assert page.evaluate("() => written.length") == 0
     page.evaluate("""() => {
-      const { page } = mctool, { draw } = page;
-      page.draw = () => (window.drawn = true) && draw();
       holds = false;
       heldFrames.splice(0).forEach((f) => f(performance.now()));
     }""")
-    desk.until("() => window.drawn")
+    desk.until("() => written.length")
 
 
 WRITTEN = """() => {
