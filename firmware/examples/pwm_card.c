@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Drives the card of pwm_card.sv through the adaptor's window: sets the duty, lets the modulator run, and measures the
- * duty by reading its output. Run it beside the driver, or alone:
+ * duty by reading its output. Run it alone, or beside a program that has opened /dev/mc0:
  *   cc -o pwm_card pwm_card.c && mmcs exec --lockstep --scenario pwm_card.toml -- ./pwm_card 64
  */
 #include <fcntl.h>
@@ -31,7 +31,7 @@ int main(int argc, char **argv) {
     perror("mmap");
     return 1;
   }
-  reg[PCCSR] = CARDS;
+  if ((reg[PCCSR] & 0x1F) != CARDS) reg[PCCSR] = CARDS; /* else the driver has, with its interrupts */
   reg[DUTY] = (unsigned char)duty;
   reg[CONTROL] = RUN;
   const unsigned char before = reg[PULSES];

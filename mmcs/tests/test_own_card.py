@@ -9,6 +9,7 @@ import sys
 from contextlib import suppress
 
 import pytest
+import pywellen
 
 from mmcs.engine.own_card import inputs
 from mmcs.errors import InputError
@@ -176,6 +177,13 @@ def test_run_record_replay_and_upset_by_name(tmp_path, monkeypatch):
     assert any("seu.pwm_card.duty_q" in event["text"] for event in report["events"])
     card.unlink()  # the record has it
     assert report["hash"] in good(call("replay", "runs/my"))
+    good(call("trace", "runs/my", "--at", "0.01"))
+    (trace,) = (tmp_path / "runs" / "my").glob("*.fst")
+    found = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
+    before, after = (int(value) for _, value in found["CARD.pwm_card.duty_q"].tv)
+    assert before ^ after == 255
+    view = trace.with_suffix(".gtkw").read_text()
+    assert "+{pwm_card/duty_q[7:0]} CARD.pwm_card.duty_q[7:0]\n" in view
 
 
 def test_a_program_drives_it(tmp_path):

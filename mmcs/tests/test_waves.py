@@ -174,7 +174,8 @@ def opens_at(view: str) -> int:
 
 def test_the_view_opens_on_a_panic():
     """Of a pass of 0.2 ms, and a PANIC 2 ms behind it."""
-    view = waves._gtkwave(Path("x.fst"), Path("x"), Pass(0, 80, 91, 200_000_000), (None, 2 * 10**9))
+    seen = Pass(0, 80, 91, 200_000_000)
+    view = waves._gtkwave(Path("x.fst"), Path("x"), waves.GROUPS, seen, (None, 2 * 10**9))
     zoom = float(re.search(r"^\*(-[\d.]+)", view, re.M)[1])
     wide = waves.PIXELS * 2**-zoom / waves.FRAME
     assert opens_at(view) < 2 * 10**9 < opens_at(view) + wide

@@ -26,6 +26,14 @@ def _nets(trace: Path, machine: str):
     return lambda path: [(time, int(value)) for time, value in found[f"{machine}.{path}"].tv]
 
 
+def own_cards(trace: Path) -> list[tuple[str, int]]:
+    """The registers of cards of one's own, and their widths."""
+    import pywellen
+
+    every = pywellen.Waveform(str(trace)).all_vars()
+    return [(var.full_name, var.length) for var in every if var.full_name.startswith("CARD.")]
+
+
 def _edges(changes: list[tuple[int, int]], to: int) -> list[int]:
     """When a net comes to a level."""
     pairs = zip(changes, changes[1:], strict=False)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from mmcs.folder import whole_file
 from mmcs.place import need
 from mmcs.screen import echo
-from mmcs.view.moments import Pass, first_missed, first_panic, first_pass
+from mmcs.view.moments import Pass, first_missed, first_panic, first_pass, own_cards
 from mmcs.view.names import write_tables
 
 MACHINE = "TOP.mmcs"
@@ -48,6 +48,8 @@ class Signal(NamedTuple):
     port: str = ""  # of a board, that holds it from bit 0 on: stands for it without a trace
 
     def full(self) -> str:
+        if self.path.startswith("CARD."):  # of own cards, beside the machine
+            return self.path
         cards = "u_cards." if self.path.startswith("g_card") else ""
         return f"{MACHINE}.{cards}{self.path}"
 
@@ -58,7 +60,9 @@ class Signal(NamedTuple):
     def label(self) -> str:
         """Its name behind that of its block, with no dot: GTKWave shows what is behind the last."""
         *above, name = self.gtkwave().split(".")
-        block = next((b.removeprefix("u_") for b in reversed(above) if b.startswith("u_")), "mmcs")
+        block = next(
+            (b.removeprefix("u_") for b in reversed(above) if b.startswith("u_")), above[-1]
+        )
         return f"{block}/{name}"
 
     def lines(self, folder: Path, tables: dict[str, int]) -> list[str]:
@@ -158,18 +162,20 @@ def write_views(trace: Path) -> tuple[Path, Path]:
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     names = trace.resolve().with_suffix(".names")
     write_tables(names)
+    cards = [Signal(path, width, HEX) for path, width in own_cards(trace)]
+    groups = GROUPS | ({"own card": cards} if cards else {})
     seen = first_pass(trace, MACHINE)
     events = (first_missed(trace, MACHINE), first_panic(trace, MACHINE))
     for path, text in (
-        (gtkw, _gtkwave(trace, names, seen, events)),
-        (sucl, _surfer(seen)),
+        (gtkw, _gtkwave(trace, names, groups, seen, events)),
+        (sucl, _surfer(groups, seen)),
     ):
         with whole_file(path) as part:
             part.write_text(text)
     return gtkw, sucl
 
 
-def _gtkwave(trace: Path, names: Path, seen: Pass | None, events: tuple) -> str:
+def _gtkwave(trace: Path, names: Path, groups: dict, seen: Pass | None, events: tuple) -> str:
     """events: when each of EVENTS came, or None."""
     lines, tables = [f'[dumpfile] "{trace.resolve()}"'], {}
     came = [at for at in events if at is not None]
@@ -182,7 +188,7 @@ def _gtkwave(trace: Path, names: Path, seen: Pass | None, events: tuple) -> str:
         lines += [f"[timestart] {max(0, begin)}", f"*{zoom:.6f} -1 {' '.join(map(str, times))}"]
         lines += ["@200", f"-{LEGEND}"]
     lines += ["[sst_expanded] 1"]
-    for name, signals in GROUPS.items():
+    for name, signals in groups.items():
         lines += [f"@{GROUP_BEGIN}", f"-{name}"]
         for signal in signals:
             lines += signal.lines(names, tables)
@@ -190,9 +196,9 @@ def _gtkwave(trace: Path, names: Path, seen: Pass | None, events: tuple) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _surfer(seen: Pass | None) -> str:
+def _surfer(groups: dict, seen: Pass | None) -> str:
     lines = []
-    for name, signals in GROUPS.items():
+    for name, signals in groups.items():
         lines.append(f"divider_add {name}")
         lines += [f"variable_add {signal.full()}" for signal in signals]
     lines += ["zoom_fit", *([f"cursor_set {seen.sclock}"] if seen else ())]

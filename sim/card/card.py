@@ -219,7 +219,8 @@ def main() -> int:
     design = Design(folder, files)
     design.check()
     found = registers(design.netlist, design.cards)
-    visible = {f'public_flat_rd -module "{module}" -var "{name}"' for _, name, module in found}
+    # rw: not an alias of a wire that its module's port is connected to
+    visible = {f'public_flat_rw -module "{module}" -var "{name}"' for _, name, module in found}
     texts = {
         "mmcs_card.sv": joined(design.cards, clk_hz),
         "registers.vlt": "\n".join(["`verilator_config", *sorted(visible), ""]),

@@ -74,6 +74,36 @@ void OwnCard::restore(const std::vector<uint64_t> &values) {
   send();
 }
 
+const std::vector<char> &OwnCard::bytes() {
+  bytes_.clear();
+  for (const auto &[at, count] : memory_) bytes_.insert(bytes_.end(), at, at + count);
+  return bytes_;
+}
+
+void OwnCard::mark() {
+  marked_ = bytes();
+  marked_inputs_.clear();
+  for (const Net &input : inputs_) marked_inputs_.push_back(input ? input.get() : 0);
+}
+
+void OwnCard::go_back() {
+  for (size_t n = 0; n < inputs_.size(); ++n) {
+    if (inputs_[n]) inputs_[n].put(marked_inputs_[n]);
+  }
+  for (int round = 0; round < 2; ++round) {  // resets among them follow
+    const char *from = marked_.data();
+    for (const auto &[at, count] : memory_) {
+      std::memcpy(at, from, count);
+      from += count;
+    }
+    model_->board->settle();
+    model_->board->inputs();
+  }
+  send();
+  changed_ = false;
+  active_ = true;
+}
+
 // Whether a register has changed since this was asked last.
 bool OwnCard::registers_changed() {
   bool any = false;

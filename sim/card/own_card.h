@@ -57,6 +57,8 @@ class OwnCard {
   // One clock, with the inputs as they are. True: outputs have changed.
   bool clock();
   uint64_t output(Output n) const { return sent_[n]; }
+  // Nothing is to follow, and it drives nothing on the bus.
+  bool quiet() const { return !changed_ && (sent_[kDataOe] | sent_[kWait] | sent_[kIrq]) == 0; }
   // The next clock may change something: an input or a register has changed since the last.
   bool active() const { return active_; }
 
@@ -68,6 +70,11 @@ class OwnCard {
   void upset(size_t reg, uint64_t bits);
   // All registers at once, without the edge of a reset; called twice, as resets among them follow.
   void restore(const std::vector<uint64_t> &values);
+  // All registers; goes back to what they and the inputs were at the last mark(), when it was
+  // quiet.
+  const std::vector<char> &bytes();
+  void mark();
+  void go_back();
 
  private:
   bool registers_changed();
@@ -80,6 +87,8 @@ class OwnCard {
   uint64_t sent_[kMostOutputs] = {};
   std::vector<std::pair<char *, size_t>> memory_;  // of the registers: where, and how many bytes
   std::vector<char> known_;                        // what is there, as seen last
+  std::vector<char> bytes_, marked_;               // as bytes() and mark() found it
+  std::vector<uint64_t> marked_inputs_;
   bool changed_ = true, active_ = true;
 };
 

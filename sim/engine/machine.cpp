@@ -276,7 +276,7 @@ void Machine::apply(const mmcs_event &event) {
   std::snprintf(text, sizeof text, "%s[%d] = %g", name.c_str(), event.index, event.value);
   const bool table = event.input >= 0 && event.input < kInputCount;
   const bool axis = !table || kInputs[event.input].about.scope == MMCS_SCOPE_AXIS;
-  note("fault", axis ? event.index : -1, text);
+  note("fault", axis && of_card < 0 ? event.index : -1, text);
   if (of_card >= 0) return model_->upset_card(of_card, static_cast<uint64_t>(event.value));
   if (!table) {
     model_->upset(register_of(event.input), static_cast<uint64_t>(event.value));

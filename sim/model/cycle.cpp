@@ -112,7 +112,7 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
   const int64_t end = rack_.clock_ + trace->end;
   if (trace->answered > q.latest + 1 || q.due <= end) return false;
   values(*trace);
-  if (!follow(*trace)) {
+  if (!follow(*trace) || !tell_card(*trace)) {
     go_back();
     return false;
   }
@@ -151,11 +151,17 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
   const std::vector<uint32_t> expected = rack_.data_;
   std::copy(before.begin(), before.end(), data_);
   go_back();
+  std::vector<char> card;
+  if (rack_.own_card_) {
+    card = rack_.own_card_->bytes();
+    rack_.own_card_->go_back();
+  }
   rack_.keep_caches_ = true;
   *reply = rack_.clock_by_clock(q);
   rack_.keep_caches_ = false;
   data_[reply_] = reply->data;
   bool same = reply->answered == answered && reply->end == end;
+  same = same && (!rack_.own_card_ || rack_.own_card_->bytes() == card);
   const auto compare = [&](size_t place) { same = same && data_[place] == expected[place]; };
   for (const Trace::Step &s : trace.steps) {
     s.part->catch_up(end);
@@ -173,9 +179,10 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
 }
 
 bool Rack::bus_cycle(const BusRequest &request, BusReply *reply) {
-  if (!skip_ || stopped_ || own_card_ || pins_.faulty() || pins_.waiting() ||
-      changed_inputs_ != 0 || glue_changed_ || pc_bus_.changed || pc_bus_.switches_changed ||
-      pc_bus_.selected != 0 || pc_bus_.command || lines_ != shown_lines_ || dtack_level() == 0) {
+  if (own_card_ && (card_.changed || !own_card_->quiet())) return false;
+  if (!skip_ || stopped_ || pins_.faulty() || pins_.waiting() || changed_inputs_ != 0 ||
+      glue_changed_ || pc_bus_.changed || pc_bus_.switches_changed || pc_bus_.selected != 0 ||
+      pc_bus_.command || lines_ != shown_lines_ || dtack_level() == 0) {
     return false;
   }
   if (!cycles_ || cycles_->full()) cycles_ = std::make_unique<Cycles>(*this);

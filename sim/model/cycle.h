@@ -74,13 +74,18 @@ struct Trace {
     uint64_t bits, mask;
     uint32_t clock, moves;
   };
+  // An input of the own card that changes after a clock; the first moves have its values.
+  struct CardInput {
+    uint32_t clock, input;
+  };
   uint16_t answered = 0, end = 0;  // clocks from its begin
   bool glue = false;               // an input of the glue changes
   uint64_t parts = 0;              // of the steps, by bit
   std::vector<Step> steps;
   std::vector<Condition> conditions;
   std::vector<Room> rooms;
-  std::vector<Move> moves;  // those of events first
+  std::vector<CardInput> card;
+  std::vector<Move> moves;  // those of the own card, then of events first
   std::vector<Term> terms;  // of all moves
   std::vector<Constant> constants;
   std::vector<Sum> sums;
@@ -148,6 +153,7 @@ class Rack::Cycles {
   void check(const Trace &trace, const BusRequest &request, BusReply *reply);
   // Parts that have no steps (cycle_follow.cpp).
   bool follow(Trace &trace);
+  bool tell_card(const Trace &trace);
   bool follow(Trace &trace, const EncoderEdge &edge);
   bool go_to(Part &part, int64_t t);
   bool passes(Trace &trace, Part &part, int field);
@@ -168,7 +174,7 @@ class Rack::Cycles {
     uint32_t fields[kMostFields];
   };
   std::vector<Moment> before_;         // of each part that went on: as it was when the cycle began
-  size_t heard_ = 0;                   // moves of events
+  size_t heard_ = 0;                   // moves of the own card and of events
   uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit
   unsigned hits_ = 0;
 };

@@ -94,7 +94,7 @@ bool Rack::Cycles::follow(Trace &trace) {
   const int64_t begin = rack_.clock_, end = begin + trace.end;
   followed_ = 0;
   auto event = trace.events.begin();
-  heard_ = 0;
+  heard_ = trace.card.size();
   auto edge = edges.all.begin() + static_cast<std::ptrdiff_t>(edges.next);
   for (int64_t last = 0;;) {
     const int64_t edge_at = edge != edges.all.end() ? edge->clock + 1 : kNever;
@@ -121,6 +121,26 @@ bool Rack::Cycles::follow(Trace &trace) {
   const uint64_t others = (followed_ | rack_.schedule_.due(end)) & ~trace.parts;
   for (uint64_t rest = others; rest; rest &= rest - 1) {
     if (!go_to(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(rest))], end)) return false;
+  }
+  return true;
+}
+
+// The own card hears the cycle, too. False: it answers, and has heard nothing.
+bool Rack::Cycles::tell_card(const Trace &trace) {
+  if (!rack_.own_card_) return true;
+  OwnCard &card = *rack_.own_card_;
+  card.mark();
+  const uint32_t *value = values_;
+  auto input = trace.card.begin();
+  for (uint32_t clock = 1; clock <= trace.end; ++clock) {
+    bool answers = card.active() && card.clock();
+    for (; input != trace.card.end() && input->clock == clock; ++input)
+      card.put(input->input, *value++);
+    answers = card.follow() || answers;
+    if (answers) {
+      card.go_back();
+      return false;
+    }
   }
   return true;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a trace is worked out: rack.cpp's way through a cycle, on the origin of data (cycle.h).
+// Length: parts, nets and time are one pass of one clock.
 
 #include <algorithm>
 
@@ -20,6 +21,8 @@ class Rack::Cycles::Tracer {
       now_.push_back({part->state(), inputs, part->state()->outputs, pending});
       now_.back().states = {part->state()};
     }
+    if (!r_.own_card_) return;
+    for (const int net : r_.card_.nets) card_.push_back(words_.own(at(net)));
   }
 
   // The address; a clock later the strobes, until DTACK* is low; then all is released.
@@ -279,6 +282,17 @@ class Rack::Cycles::Tracer {
     }
     pins();
     settle();
+    if (r_.own_card_) note_card();
+  }
+  // Inputs of the own card that are others after this clock.
+  void note_card() {
+    for (size_t n = 0; n < card_.size(); ++n) {
+      const Word &now = words_.word(at(r_.card_.nets[n]));
+      if (!r_.own_card_->has(n) || now == card_[n]) continue;
+      card_[n] = now;
+      trace->card.push_back({static_cast<uint32_t>(clocks_), static_cast<uint32_t>(n)});
+      add_move(at(r_.card_.nets[n]), now, true);
+    }
   }
   void pin(Port port, const Word &value) {
     const Input &input = r_.inputs_[port];
@@ -364,6 +378,7 @@ class Rack::Cycles::Tracer {
     std::vector<std::pair<size_t, Word>> data;
   };
   std::vector<Heard> heard_;
+  std::vector<Word> card_;  // inputs of the own card, as it had them last
   uint32_t fields_[kMostFields];
   int clocks_ = 0;
   bool in_clock_ = false;  // not all parts have had this one

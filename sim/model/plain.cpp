@@ -349,6 +349,7 @@ bool Plain::trace(const std::string &path) {
   if (path.empty()) return false;
   waves_ = std::make_unique<Waves>(path);
   board_->trace(waves_.get());
+  if (own_card_) waves_->add(*own_card_);
   waves_->open(path.c_str());
   if (!waves_->isOpen()) waves_.reset();
   return waves_ != nullptr;

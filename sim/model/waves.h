@@ -10,6 +10,7 @@
 #include <csignal>
 #include <string>
 
+#include "own_card.h"
 #include "verilated_fst_c.h"
 
 namespace mmcs {
@@ -28,7 +29,42 @@ class Waves : public VerilatedFstC {
     if (!open_) std::signal(SIGABRT, before_);
   }
 
+  // The registers of own cards, whose model is in a library of its own, in a scope beside the top.
+  void add(const OwnCard &card) {
+    card_ = &card;
+    spTrace()->addInitCb(declare, this, "CARD", false, static_cast<uint32_t>(2 * card.size()));
+    spTrace()->addFullCb(put<&Buffer::fullQData>, 0, this);
+    spTrace()->addChgCb(put<&Buffer::chgQData>, 0, this);
+  }
+
  private:
+  using Buffer = VerilatedFst::Buffer;
+
+  // A register has two codes of 32 bits; the path before its name is scopes.
+  static void declare(void *self, VerilatedFst *to, uint32_t code) {
+    static_cast<Waves *>(self)->code_ = code;
+    const OwnCard &card = *static_cast<Waves *>(self)->card_;
+    for (size_t reg = 0; reg < card.size(); ++reg, code += 2) {
+      std::string name = "CARD." + card.name(reg);
+      int scopes = 0;
+      for (size_t dot; (dot = name.find('.')) != std::string::npos; name.erase(0, dot + 1)) {
+        to->pushPrefix(name.substr(0, dot).c_str(), VerilatedTracePrefixType::SCOPE_MODULE);
+        ++scopes;
+      }
+      to->declQuad(code, name.c_str(), -1, VerilatedTraceSigDirection::NONE,
+                   VerilatedTraceSigKind::VAR, VerilatedTraceSigType::LOGIC, card.width(reg) - 1,
+                   0);
+      while (scopes-- > 0) to->popPrefix();
+    }
+  }
+  template <void (Buffer::*emit)(uint32_t *, QData, int)>
+  static void put(void *self, Buffer *to) {
+    uint32_t *at = to->oldp(static_cast<Waves *>(self)->code_);
+    const OwnCard &card = *static_cast<Waves *>(self)->card_;
+    for (size_t reg = 0; reg < card.size(); ++reg, at += 2) {
+      (to->*emit)(at, card.read(reg), card.width(reg));
+    }
+  }
   static void end_unwritten(int) {
     static const char text[] =
         "mmcs: aborted where waveforms are written: if the disk is full, free it and run again\n";
@@ -43,6 +79,8 @@ class Waves : public VerilatedFstC {
   static inline void (*before_)(int) = SIG_DFL;  // what SIGABRT did before the first
   const std::string path_, rest_;                // the second is Verilator's
   Waves *next_;
+  const OwnCard *card_ = nullptr;
+  uint32_t code_ = 0;  // of its first register
 };
 
 }  // namespace mmcs
