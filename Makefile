@@ -34,7 +34,7 @@ help-all:
 
 # --- what the targets stand on -------------------------------------------------------------
 
-# FETCH WHAT COMMAND: an installer, with pip's settings.
+# FETCH WHAT COMMAND: an installer, with progress, pip's settings, and a remedy when it fails.
 FETCH = $(BIN)/python tools/fetch.py
 # INSTALL: what, its requirements, our own packages. Nothing comes that requirements.lock has no hash of; what
 # builds a package is of the lock, too; typing is a backport that a package names. Bytecode is compiled now: where
@@ -95,6 +95,9 @@ installed: $(addprefix $(VENV)/.,lint formal hosts tool-test docs fmu) $(BRIDGES
 
 # --- the main job --------------------------------------------------------------------------
 
+# Installing and building count into the time to first motion.
+export MMCS_STARTED := $(shell date +%s.%N)
+
 sim: $(VENV)/.sim ## run a scenario: make sim [SCENARIO=puma560]
 	@$(BIN)/mmcs run "$(SCENARIO)"
 
@@ -127,7 +130,7 @@ test-icarus: $(VENV)/.test #: the cocotb regression on Icarus, with random runs 
 	@tools/need_debian.sh iverilog iverilog
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup --share --sim icarus --seed $(SEED) cocotb_tests
 
-bench: $(VENV)/.test #: how fast it is, beside Verilator with its RTL, into docs/evidence/bench.md
+bench: $(VENV)/.test #: how fast it is, beside other simulators of its RTL, into docs/evidence/bench.md
 	@! { command -v em++ && command -v node; } >/dev/null || $(MAKE) -s web
 	@$(BIN)/python -m studies.bench
 

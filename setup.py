@@ -33,7 +33,7 @@ def copy_sources(target: Path) -> None:
         runpy.run_path(str(HERE / "tools" / "libraries.py"))["fetch"](libraries, dev=False)
     except SystemExit as gone:
         print(f"mmcs: this package has no mctool: {gone}")
-    runpy.run_path(str(HERE / "tools" / "notices.py"))["write"](target, libraries)
+    runpy.run_path(str(HERE / "tools" / "sbom.py"))["write"](target, libraries)
 
 
 def main() -> None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`make bench`: how fast it is, as docs/evidence/bench.md shows it.
 
-Everything is taken in one run, in processor time, round by round: the machine, and Verilator with
-its RTL on the bus traffic of the same motion. A figure is the median of the rounds.
+Everything is taken in one run, in processor time, round by round: the machine, and other simulators
+of its RTL on the bus traffic of the same motion. A figure is the median of the rounds.
 """
 
 import argparse
@@ -251,14 +251,16 @@ def wasm(scenario: str) -> float:
 # --- the page ------------------------------------------------------------------------------------
 
 
-def verilator(count: int) -> dict[str, list[float]]:
+def simulators(count: int) -> dict[str, list[float]]:
     """name: a value of each round, or one."""
     load = Load(*LOADS[TYPICAL])
-    alone = f"Verilator {replay.build(make_setup(*LOADS[TYPICAL]))}, RTL alone"
+    versions = replay.build(make_setup(*LOADS[TYPICAL]))
     found: dict[str, list[float]] = {}
     for _ in range(count):
-        new = {TYPICAL: load.speed(), alone: replay.speed()}
-        new["times as fast as Verilator"] = new[TYPICAL] / new[alone]
+        new = {TYPICAL: load.speed()}
+        for kind, version in versions.items():
+            speed = new[f"{kind} {version}, RTL alone"] = replay.speed(kind)
+            new[f"times as fast as {kind}"] = new[TYPICAL] / speed
         for name, value in new.items():
             found.setdefault(name, []).append(value)
     return found
@@ -315,10 +317,10 @@ def row(name: str, values: list[float]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--only", choices=("verilator", "loads"))
+    parser.add_argument("--only", choices=("simulators", "loads"))
     given = parser.parse_args()
     committed(MEASURED)
-    for measure in (verilator, loads):
+    for measure in (simulators, loads):
         if given.only not in (None, measure.__name__):
             continue
         found = measure(given.rounds)

@@ -7,6 +7,7 @@ itself at that view of its page, if `make web` has built it.
 """
 
 import argparse
+import inspect
 import os
 import re
 import shutil
@@ -15,12 +16,14 @@ import sys
 import tomllib
 from pathlib import Path
 
+import mmcs
 from mmcs import BUILD, ROOT
 from tools.pages import aged, told_age
 
 DOCS = ROOT / "docs"
 STAGE = BUILD / "book"
 BOOK = BUILD / "docs"
+API = "api.md"
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LIVE = re.compile(r"<!-- live: (\w+) -->")
 LANGUAGES = {".sv": "systemverilog", ".svh": "systemverilog", ".py": "python", ".c": "c", ".h": "c",
@@ -79,9 +82,26 @@ def main() -> None:
         done |= todo
     address = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mmcs"]["repository"]
     link = f"repo_url: {address}\n" if address else ""
+    write_api(source / API)
     (STAGE / "mkdocs.yml").write_text(link + CONFIG + nav())
     build()
     print(f"docs: {told_age()}")
+
+
+def write_api(page: Path) -> None:
+    """The public names of mmcs with their docstrings; docs/use/python.md has its errors."""
+    lines = ["# Python API", "", "Made from the docstrings of the names that `mmcs` exports."]
+    for name in mmcs.__all__:
+        thing = getattr(mmcs, name)
+        if not callable(thing) or name.endswith("Error"):
+            continue
+        lines += ["", f"## {name}", ""]
+        methods = vars(thing).items() if inspect.isclass(thing) else ()
+        public = [(n, m) for n, m in methods if n[0] != "_" and callable(m)]
+        for called, what in [(f"mmcs.{name}", thing), *public]:
+            about = inspect.getdoc(what) or ""
+            lines += ["~~~python", f"{called}{inspect.signature(what)}", "~~~", "", about, ""]
+    page.write_text("\n".join(lines) + "\n")
 
 
 def chapter(text: str, original: Path, wanted: set[Path]) -> str:
@@ -161,6 +181,7 @@ def nav() -> str:
                 lines.append(f"{inside}- {text}: {target}")
     lines += [
         "  - More:",
+        f"      - Python API: {API}",
         "      - contributing: source/CONTRIBUTING.md",
         "      - changes: source/CHANGELOG.md",
     ]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs an installer with the settings of pip: tools/fetch.py WHAT COMMAND...
+"""Runs an installer so that a reader sees what it does: tools/fetch.py WHAT COMMAND...
 
 uv and npm get what pip is configured with (index, certificate, proxy), and the certificates of the
-system. What the installer prints, and its status, are the installer's own.
+system. Every ten seconds a line tells how long it runs and what it said last. If it fails, its last
+lines and a remedy end it, with status 2.
 """
 
 import argparse
@@ -10,7 +11,12 @@ import ast
 import os
 import subprocess
 import sys
+import threading
+import time
+from collections import deque
 
+EVERY_S = 10.0
+LAST = 12  # lines of an installer that failed
 # Setting of pip: variables of uv, npm and what they are made of.
 SETTINGS = {
     "index-url": ["UV_DEFAULT_INDEX"],
@@ -23,6 +29,15 @@ SETTINGS = {
     "timeout": ["UV_HTTP_TIMEOUT"],
 }
 ALWAYS = {"UV_SYSTEM_CERTS": "1", "NODE_USE_SYSTEM_CA": "1"}
+REMEDIES = [  # words of a failure, what to do
+    (("certificate", "self-signed", "self signed", "unknownissuer", "tls"),
+     "a proxy has its own certificate: install it in the system, or"
+     " `pip config set global.cert FILE`"),
+    (("no space", "enospc", "disk quota"), "the disk is full: all tools need 3 GB"),
+    (("hash", "integrity"), "what came is not what requirements.lock or package-lock.json names"),
+    (("",), "packages come from the network (PyPI, npm), or from an index of yours:"
+     " `pip config set global.index-url URL`, NPM_CONFIG_REGISTRY=URL"),
+]  # fmt: skip
 
 
 def environment() -> dict[str, str]:
@@ -38,14 +53,43 @@ def environment() -> dict[str, str]:
     return given | os.environ
 
 
-def main() -> None:
+def remedy(lines: list[str]) -> str:
+    text = "\n".join(lines).lower()
+    return next(what for words, what in REMEDIES if any(word in text for word in words))
+
+
+def run(what: str, command: list[str]) -> int:
+    print(f"mmcs: installing {what}", flush=True)
+    began, said, over = time.monotonic(), deque(maxlen=LAST), threading.Event()
+
+    def tell():
+        while not over.wait(EVERY_S):
+            last = f": {said[-1]}" if said else ""
+            print(f"mmcs: installing {what}, {time.monotonic() - began:.0f} s{last}", flush=True)
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    with subprocess.Popen(
+        command, env=environment(), text=True, errors="replace",
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    ) as process:  # fmt: skip
+        said.extend(line.rstrip() for line in process.stdout if line.strip())
+    over.set()
+    teller.join()
+    if process.returncode:
+        print("\n".join(f"  {line}" for line in said), file=sys.stderr)
+        print(f"mmcs: not installed, {what}; {remedy(list(said))}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what")
     parser.add_argument("command", nargs=argparse.REMAINDER)
     args = parser.parse_args()
-    print(f"mmcs: installing {args.what}", flush=True)
-    os.execvpe(args.command[0], args.command, environment())
+    return run(args.what, args.command)
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -24,7 +24,7 @@ from mmcs.scenario.files import named
 from mmcs.tool.pages import LIBRARIES, library_folder
 from mmcs.view.watched import groups
 from mmcs_labs import page as labs
-from tools import notices
+from tools import sbom
 
 SITE = BUILD / "web"
 CARDS = (1, 3)  # machines of these sizes are built
@@ -95,7 +95,7 @@ def write() -> None:
     listed = [{k: one[k] for k in ("name", "folder", "description")} for one in found]
     (fresh / "engine" / "scenarios.json").write_text(json.dumps(listed))
     _write_cache(fresh)
-    notices.write(fresh, library_folder())
+    sbom.write(fresh, library_folder())
     shutil.rmtree(SITE, ignore_errors=True)
     fresh.rename(SITE)
 

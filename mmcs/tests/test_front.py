@@ -17,6 +17,7 @@ from mmcs import ROOT
 from tools.compiled import ran
 
 PAGE = (ROOT / "docs" / "use" / "python.md").read_text()
+NOTEBOOK = json.loads((ROOT / "docs" / "use" / "study.ipynb").read_text())
 
 
 @pytest.fixture(scope="module")
@@ -179,6 +180,41 @@ def test_a_campaign_is_a_frame():
     assert set(frame["sort"]) == {"register"} and frame["class"].notna().all()
     with pytest.raises(mmcs.InputError, match="must be one of register"):
         mmcs.campaign("arm_move", sorts=("rust",))
+
+
+def test_the_notebook_runs_and_shows_what_it_holds():
+    """MMCS_WRITE=1 in the environment puts the outputs into it."""
+    scope, shown, count = {}, [], 0
+    for cell in NOTEBOOK["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        tree = ast.parse("".join(cell["source"]))
+        last = tree.body.pop()
+        exec(compile(tree, "study.ipynb", "exec"), scope)
+        assert isinstance(last, ast.Expr), "each cell ends with what it shows"
+        shown.append(eval(compile(ast.Expression(last.value), "study.ipynb", "eval"), scope))
+        count += 1
+        outputs = [output_of(shown[-1], count)]
+        if os.environ.get("MMCS_WRITE"):
+            cell |= {"outputs": outputs, "execution_count": count}
+        assert cell["outputs"] == outputs, "its outputs are old: MMCS_WRITE=1 pytest -k notebook"
+    assert len(shown) == 5 and shown[0]._repr_svg_()
+    steady = shown[2][1]
+    assert steady[0] < 8 and steady[1] > 20, "friction shows"
+    assert len(shown[3]) == 6 and 150 < shown[4] < 250
+    if os.environ.get("MMCS_WRITE"):
+        path = ROOT / "docs" / "use" / "study.ipynb"
+        path.write_text(json.dumps(NOTEBOOK, indent=1, ensure_ascii=False) + "\n")
+
+
+def output_of(value, count: int) -> dict:
+    """As Jupyter keeps what the last line of a cell gives."""
+    data = {"text/plain": repr(value)}
+    for kind, method in (("image/svg+xml", "_repr_svg_"), ("text/html", "_repr_html_")):
+        if draws := getattr(value, method, None):
+            data[kind] = draws()
+    about = {"output_type": "execute_result", "execution_count": count, "metadata": {}}
+    return about | {"data": data}
 
 
 def test_a_type_checker_follows_every_name():

@@ -115,7 +115,7 @@ def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     folders = ("rtl", "sim", "firmware", "web", "mmcs.core")
     tracked = ran("git", "ls-files", *folders, check=True).stdout.split()
     wanted = {name for name in tracked if "/tests/" not in name and (ROOT / name).is_file()}
-    assert wanted | {"THIRD_PARTY.txt"} <= held, sorted(wanted - held)
+    assert wanted | {"sbom.cdx.json", "THIRD_PARTY.txt"} <= held, sorted(wanted - held)
     assert not [name for name in held if "/tests/" in name]
     assert os.access(tmp_path / "sim" / "device" / "cc_wrapper.sh", os.X_OK)
 

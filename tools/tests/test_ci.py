@@ -6,13 +6,15 @@ import json
 import os
 import re
 import sys
+import tempfile
 import tomllib
+from pathlib import Path
 
 import pytest
 from packaging.specifiers import SpecifierSet
 
 from mmcs import ROOT
-from tools import notices
+from tools import sbom
 from tools.compiled import ran
 
 # Not suites of their own, and why.
@@ -116,30 +118,27 @@ def test_what_does_not_run_is_said_last_or_fails(tmp_path, ci):
 OWN = {"mmcs", "cocotbext-mmcs", "mmcs-fpga", "mmcs-bridges", "pip", "setuptools"}  # or venv's
 
 
-def test_the_licences_of_what_others_made_are_all_there(tmp_path):
-    library = tmp_path / "some"
-    library.mkdir()
-    (library / "package.json").write_text('{"name": "s", "version": "1", "license": "MIT"}')
-    (library / "LICENSE").write_text("Permission is granted")
-    notices.write(tmp_path, tmp_path)
-    text = (tmp_path / notices.NOTICES).read_text()
-    assert "s 1, MIT" in text and "Permission is granted" in text
-    assert "Verilator" in text and len(text) > 2000
-
-
-def plain(name: str) -> str:
-    return re.sub(r"[._]", "-", name.lower())
-
-
 def test_nothing_is_installed_beside_the_lock():
-    locked = re.findall(
-        r"^([\w.-]+==\S+) \\\n +--hash=sha256:", (ROOT / "requirements.lock").read_text(), re.M
-    )
-    names = set(map(plain, locked))
+    """And the wheel's list of what others made has it all, and their licences."""
+    with tempfile.TemporaryDirectory() as name:
+        library = Path(name) / "some"
+        library.mkdir()
+        (library / "package.json").write_text('{"name": "s", "version": "1", "license": "MIT"}')
+        (library / "LICENSE").write_text("Permission is granted")
+        sbom.write(Path(name), Path(name))
+        bom = json.loads((Path(name) / sbom.SBOM).read_text())
+        notices = (Path(name) / sbom.NOTICES).read_text()
+    listed = {part["purl"]: part for part in bom["components"]}
+    assert all(part["externalReferences"][0]["hashes"] for part in listed.values())
+    assert "s 1, MIT" in notices and "Permission is granted" in notices
+    assert "Verilator" in notices and len(notices) > 2000
+    assert any(purl.startswith("pkg:npm/uplot@") for purl in listed)
+    names = {purl.lower().replace("_", "-").replace(".", "-") for purl in listed}
     beside = [
         f"{d.name} {d.version}"
         for d in importlib.metadata.distributions()
-        if d.name not in OWN and plain(f"{d.name}=={d.version}") not in names
+        if d.name not in OWN
+        and re.sub(r"[._]", "-", f"pkg:pypi/{d.name}@{d.version}".lower()) not in names
     ]
     assert not beside, "a name and its version in requirements.lock; CONTRIBUTING tells how"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whose settings an installation takes, and what it refuses."""
+"""What an installation tells, and whose settings it takes."""
 
 import base64
 import hashlib
@@ -7,8 +7,10 @@ import io
 import json
 import os
 import re
+import subprocess
 import sys
 import tarfile
+import threading
 import zipfile
 from pathlib import Path
 from unittest.mock import Mock
@@ -40,6 +42,48 @@ def test_settings_of_pip_reach_uv_and_npm(plain, monkeypatch):
     assert env["SSL_CERT_FILE"] == env["NODE_EXTRA_CA_CERTS"] == "/ca.pem"
     assert (env["HTTPS_PROXY"], env["HTTP_PROXY"]) == ("http://p:1", "http://own")
     assert env["UV_SYSTEM_CERTS"] == env["NODE_USE_SYSTEM_CA"] == "1"
+
+
+def test_a_silent_installer_is_told_of(plain, monkeypatch):
+    said, found, popen = [], threading.Event(), subprocess.Popen
+
+    def tell(line, **_):
+        said.append(line)
+        if "s: got it" in line:
+            found.set()
+
+    monkeypatch.setattr(fetch, "print", tell, raising=False)
+    monkeypatch.setattr(fetch, "EVERY_S", 0.05)
+    script = "import sys, time; print('got it', flush=True); sys.stdin.read()"
+    reader, writer = os.pipe()
+    monkeypatch.setattr(fetch.subprocess, "Popen", lambda *a, **k: popen(*a, stdin=reader, **k))
+    thread = threading.Thread(target=fetch.run, args=("it", [sys.executable, "-c", script]))
+    thread.start()
+    found.wait()
+    os.close(writer)
+    thread.join()
+    os.close(reader)
+    assert said[0] == "mmcs: installing it"
+    assert re.fullmatch(r"mmcs: installing it, \d+ s: got it", said[-1])
+
+
+@pytest.mark.parametrize(
+    ("last", "what"),
+    [
+        ("npm error code SELF_SIGNED_CERT_IN_CHAIN: self-signed certificate", "global.cert FILE"),
+        ("error: No space left on device (os error 28)", "disk is full"),
+        ("error: Hash mismatch for `x`", "requirements.lock"),
+        ("npm error network request failed", "global.index-url URL"),
+    ],
+)
+def test_a_failure_ends_in_the_tools_words_and_a_remedy(plain, capfd, last, what):
+    script = (
+        f"import sys; [print(n) for n in range(30)]; print({last!r}, file=sys.stderr); sys.exit(7)"
+    )
+    assert fetch.run("the tools", [sys.executable, "-u", "-c", script]) == 2
+    told = capfd.readouterr().err.splitlines()
+    assert told[-2] == f"  {last}" and told[0] == "  19"
+    assert told[-1].startswith("mmcs: not installed, the tools; ") and what in told[-1]
 
 
 def a_wheel(folder, more=""):
