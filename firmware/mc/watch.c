@@ -44,7 +44,7 @@ int mc_watch(struct mc *mc, uint64_t us) {
   if (mc->fault) {
     told = trip(mc, MC_TOLD_QUIET, MCAUSE_BUS, "PANIC: no interrupts, the adaptor does not answer");
   } else if (reset) {
-    told = trip(mc, MC_TOLD_QUIET, MCAUSE_RESET, "PANIC: SYSRESET*, the adaptor was reset");
+    told = trip(mc, MC_TOLD_QUIET, MCAUSE_RESET, "PANIC: PCCSR changed, by SYSRESET* or a program");
     restart(mc, us);
   } else if (mc->power != MC_IDLE) {
     told = trip(mc, MC_TOLD_QUIET, MCAUSE_LATE, "PANIC: no interrupts");

@@ -44,7 +44,7 @@ class State(NamedTuple):
 # <sys/mmcs.h>, from MCAUSE_HEARTBEAT on
 CAUSES = ("axis {} has no heartbeat", "card {} does not answer", "no card answers: cable or power",
           "button, or a cause that has passed", "an error of axis {}: see its errcode",
-          "bus error, or the adaptor does not answer", "SYSRESET*",
+          "bus error, or the adaptor does not answer", "SYSRESET*, or a program wrote PCCSR",
           "no interrupts, or passes outlast SCLOCK")  # fmt: skip
 
 

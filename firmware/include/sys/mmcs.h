@@ -36,7 +36,7 @@ struct mmcs_status {
 #define MCAUSE_PASSED 4    /* a PANIC whose cause no register shows: button, or it has passed */
 #define MCAUSE_AXIS 5      /* an error of axis `number` without SOFTERR: errcode says which */
 #define MCAUSE_BUS 6       /* bus error in a servo pass, or the adaptor does not answer */
-#define MCAUSE_RESET 7     /* SYSRESET* */
+#define MCAUSE_RESET 7     /* SYSRESET*, or a program wrote PCCSR */
 #define MCAUSE_LATE 8      /* no interrupts, or passes outlast SCLOCK */
 
 /* int, by pointer: ends the calibration of this axis only; succeeds also if there is none. */

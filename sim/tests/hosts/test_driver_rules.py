@@ -61,7 +61,7 @@ def test_sysreset_is_told(host, enabled):
         assert 1 <= sim.signals(fd) <= 1 + enabled and sim.signals(monitor) == 0
         assert {s["errcode"] & 0xFF for s in sim.read(fd)} == {mcdef.MERR_PANIC}
         told = [n["text"] for n in sim.notes()]
-        assert told.count("mc: PANIC: SYSRESET*, the adaptor was reset") == 1
+        assert told.count("mc: PANIC: PCCSR changed, by SYSRESET* or a program") == 1
         samples = sim.samples
         run(sim, 0.1)
         assert sim.samples - samples > 40 and sim.signals(fd) == 0
