@@ -82,6 +82,10 @@ class Host {
     recorder_.history(a);
   }
 
+  // A program has accessed the bus by itself: between two of its instructions interrupts come.
+  void after_access() {
+    if (!cpu_) poll();
+  }
   Motion &motion() { return motion_; }
   // From now on the process behind this client writes the motion's setpoints at every sample.
   void start_motion(int client);

@@ -123,15 +123,20 @@ int mmcs_sim_signals(mmcs_sim *sim, int client) {
 int mmcs_sim_bus_read(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t *value) {
   if (!value || !valid_size(size)) return -1;
   return deed(sim, -1, value, sizeof *value, [=](mmcs_sim *s, void *into) {
-    return static_cast<int>(s->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am),
-                                        size, static_cast<uint32_t *>(into)));
+    const mmcs::BusResult result =
+        s->bus.read(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size,
+                    static_cast<uint32_t *>(into));
+    s->host.after_access();
+    return static_cast<int>(result);
   });
 }
 int mmcs_sim_bus_write(mmcs_sim *sim, uint32_t offset, int am, int size, uint32_t value) {
   if (!valid_size(size)) return -1;
   return deed(sim, -1, [=](mmcs_sim *s) {
-    return static_cast<int>(
-        s->bus.write(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value));
+    const mmcs::BusResult result =
+        s->bus.write(kWindow + offset % kWindowSize, static_cast<unsigned>(am), size, value);
+    s->host.after_access();
+    return static_cast<int>(result);
   });
 }
 

@@ -4,7 +4,7 @@
 import pytest
 from needed import needs
 
-from mmcs import load, machine, mcdef
+from mmcs import load, machine, mcdef, regs
 
 HOSTS = ["native", pytest.param("m68020", marks=[pytest.mark.slow, needs("m68020")])]
 
@@ -41,6 +41,19 @@ def test_no_call_moves_a_count(host):
             sim.close(fd)
             run(sim, 0.005)
             assert [sim.encoder_register(axis) for axis in range(6)] == before
+
+
+@pytest.mark.req("API-1")
+def test_interrupts_come_between_accesses_of_a_program():
+    with bench("native") as sim:
+        fd = sim.open()
+        assert ask(sim, fd, mcdef.MENABLE) == 0
+        run(sim, 0.01)
+        begin, samples = sim.time, sim.samples
+        while sim.time < begin + 0.02:
+            sim.bus_read(regs.PCCSR)
+            sim.bus_write(regs.VECTOR, 0x40)
+        assert sim.samples - samples >= 9 and sim.stats()["missed"] == 0
 
 
 @pytest.mark.req("DRV-13")
