@@ -170,6 +170,7 @@ export function tuneView(page) {
         fine === null ? verdict : `${fine ? "✓" : "✗"} ${verdict}`),
       h("table", { id: "tune-result" }, cells(Object.entries(rows))),
     ], head);
+    draw();
   };
   return { element: el("div", { className: "tune" }, head, plots), update, draw, changes: true };
 }
