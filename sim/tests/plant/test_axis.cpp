@@ -322,10 +322,12 @@ TEST(saved_state_has_the_same_future) {
     if (!same) return;
   }
   CHECK(a->save() == b->save(), "states differ");
-  try {
-    b->restore({1, 2, 3});
-    CHECK(false, "takes a state of another size");
-  } catch (const std::invalid_argument &) {
+  for (int wrong = 0; wrong < 3; ++wrong) {
+    try {
+      wrong == 0 ? b->restore({1, 2, 3}) : b->set_input(input("pot_cut"), 2 - 4 * (wrong - 1), 1);
+      CHECK(false, "takes a state of another size, or an input of an axis that is not there");
+    } catch (const std::invalid_argument &) {
+    }
   }
 }
 

@@ -50,6 +50,7 @@ void push(Plant &plant, double speed, bench::Counter &counter) {
 TEST(edges_fall_on_the_clock_of_the_angle) {
   for (const double speed : {440.0, -440.0, 3.0}) {
     auto plant = bench::alone(wheel());
+    plant->set_input(input("index_missing"), 0, speed > 0);  // a fault alters no other edge
     bench::Counter counter(*plant);
     push(*plant, speed, counter);
     // Clocks between edges of a wheel at constant speed.
@@ -172,6 +173,9 @@ TEST(cut_wires_stop_the_count) {
   plant->set_input(input("encoder_index_cut"), 0, 2.0);
   coast(*plant, counter, 10);
   CHECK((plant->pins(0) & 4) != 0, "index not stuck high");
+  mmcs_motor without = wheel();
+  without.index_per_rev = 0;
+  CHECK((bench::alone(without)->pins(0) & 4) == 0, "index of an encoder that has none");
 }
 
 TEST(swapped_wires_count_backwards) {
@@ -209,6 +213,15 @@ TEST(glitches_come_at_their_rate_and_by_seed) {
   plant->set_input(input("encoder_glitch"), 0, 0.0);
   coast(*plant, counter, 10);
   CHECK(plant->pins(0) == counter.pins(0), "pins differ after the last pulse");
+  auto still = bench::alone(wheel());
+  const auto sound = still->pins(0);
+  for (int k = 0; k < 300; ++k) {  // pulses that are under way when the fault is cleared end
+    for (const double rate : {1e5, 0.0, 0.0}) {
+      still->set_input(input("encoder_glitch"), 0, rate);
+      bench::run(*still, 0.0, bench::kStepS);
+    }
+    CHECK(still->pins(0) == sound, "pins %u after pulse %d", still->pins(0), k);
+  }
 }
 
 TEST(slipped_disc_shifts_the_count) {
