@@ -32,6 +32,9 @@ def test_rise_between_samples(first):
     y[: max(first - 1, 0)] = 40
     seen = step_response(T, y, T[first], 0, 100)
     assert seen.rise_ms == round(80 / 13, 3)
+    if first:
+        y[first - 1] = -20  # over 10 % of the step with its first sample
+        assert step_response(T, y, T[first], 0, 100).rise_ms == round(63 / 13, 3)
 
 
 def test_overshoot_and_settling():

@@ -137,10 +137,11 @@ def test_expected_events(scenario, answers):
     answers["notes"] = lambda: [note]
     event = '\n[[expect]]\nkind = "event"\nevent = "panic"\n{}\n'
 
-    def met(more):
-        return judge(run(scenario(GOOD + event.format(more))), [])[0]["ok"]
+    def met(more, says=""):
+        verdict = judge(run(scenario(GOOD + event.format(more))), [])[0]
+        return verdict["ok"] and says in verdict["what"]
 
-    assert met("") and met("within_ms = 101.0")
+    assert met("") and met("within_ms = 101.0", "event panic seen within 101 ms: at 100.0 ms")
     for more in ("within_ms = 99.0", "after = 0.2", 'text = "cable"', "seen = false", "axis = 0"):
         assert not met(more), more
     event = event.replace('"panic"', '["error", "panic"]')  # any of them
