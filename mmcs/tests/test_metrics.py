@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from mmcs.runs.metrics import steady_error, step_response
+from mmcs.runs.report import limited
 
 T = np.arange(0, 0.5, 0.001)
 
@@ -63,6 +64,16 @@ def test_steady_error_is_of_twenty_milliseconds(samples):
         y = np.full(samples, 200.0)
         y[place] -= 100
         assert steady_error(t, np.full(samples, 200.0), y) == error
+
+
+@pytest.mark.parametrize(
+    ("axis", "cut"),
+    [({}, [0, 1, 1]), ({"ilim": 0}, [0, 0, 0]), ({"mode": "off"}, [0, 0, 0]),
+     ({"ilimax": 1}, [0, 0, 1]), ({"ilim": 9999}, [0, 0, 1])],
+)  # fmt: skip
+def test_samples_that_the_limit_cut(axis, cut):
+    params = {"mode": "torque", "ilim": 50, "ilimax": 0} | axis
+    assert limited(np.array([0, 50, -2047]), params).tolist() == cut
 
 
 def test_dead_axis_and_step_beyond_the_log():

@@ -15,6 +15,7 @@ from mmcs.tests.raw import Raw
 
 
 def test_socket_is_private_and_the_name_taken_once(mc0):
+    mc0 = mc0.parent / "there" / mc0.name  # neither is the folder above it
     first = Name(mc0)
     first.listen(".sock")
     assert mc0.stat().st_mode & 0o777 == 0o600

@@ -325,7 +325,7 @@ def test_scheduler_or_worker_that_goes_while_an_answer_is_fetched(gone, monkeypa
 def test_progress_on_no_terminal_tells_the_time_left(monkeypatch, capsys):
     module = import_module("mmcs.cli.sweep")
     monkeypatch.setattr(module, "TELL_EACH_S", -1.0)
-    clock = iter((0.0, 10.0, 10.0))  # begun, asked, told
+    clock = iter((50.0, 60.0, 60.0))  # begun, asked, told
     monkeypatch.setattr(module.time, "monotonic", lambda: next(clock))
     store = SimpleNamespace(rows={0: {}}, bad=0)
     with module.progress(21, store, "runs") as advance:
