@@ -20,15 +20,15 @@ def listed(kind: str, call, of) -> list:
     return [out[0][n] for n in range(count)]
 
 
-def made_from(create, setup: bytes) -> tuple[object, str]:
-    """What mmcs_sim_create_from() or the like makes of a set-up, and its caution; RunError."""
+def made_from(create, setup: bytes):
+    """What mmcs_sim_create_from() or the like makes of a set-up; RunError."""
     ffi = mcdef.make_ffi()
     err = ffi.new("char[]", 300)
     made = create(ffi.from_buffer(setup), len(setup), ffi.NULL, err, 300)
-    text = ffi.string(err).decode(errors="replace")
     if made == ffi.NULL:
+        text = ffi.string(err).decode(errors="replace")
         raise RunError(f"the machine cannot be made: {text or 'no reason given'}")
-    return made, text
+    return made
 
 
 class Script:
@@ -36,7 +36,7 @@ class Script:
 
     def __init__(self, sim, setup: bytes):
         self.ffi, self.lib, self._what = sim.ffi, sim.lib, sim.ffi.new("char[]", 300)
-        made = made_from(self.lib.mmcs_script_create_from, setup)[0]
+        made = made_from(self.lib.mmcs_script_create_from, setup)
         self._script = self.ffi.gc(made, self.lib.mmcs_script_destroy)
 
     def begin(self, sim) -> tuple[int, str]:

@@ -36,7 +36,7 @@ class Sim(Watching, Playing):
         """setup: a set-up file's bytes."""
         self.ffi, self.lib = make_ffi(), load_library(library)
         self._head = self.ffi.new("mmcs_tap_head *")
-        self._sim, self.caution = made_from(self.lib.mmcs_sim_create_from, setup)
+        self._sim = made_from(self.lib.mmcs_sim_create_from, setup)
         self.axes = self.lib.mmcs_sim_axes(self._sim)
 
     @property
@@ -58,17 +58,13 @@ class Sim(Watching, Playing):
     # --- what the build is ---
 
     def build(self) -> dict[str, int]:
-        names = ("cards", "clk_hz", "skip", "trace")
+        names = ("cards", "clk_hz")
         return {name: getattr(self.lib, f"mmcs_sim_build_{name}")() for name in names}
 
-    def trace(self, path: Path) -> None:
-        if self.lib.mmcs_sim_trace(self._sim, os.fsencode(path)):
+    def trace(self, path: Path, from_s: float = 0.0, to_s: float = 1e9) -> None:
+        """Waveforms of this stretch, from now on if its beginning has passed."""
+        if self.lib.mmcs_sim_trace(self._sim, os.fsencode(path), from_s, to_s):
             raise RunError(f"{path}: the trace file cannot be made")
-
-    def trace_window(self, path: Path, from_s: float, to_s: float) -> None:
-        """Traces this stretch only, which lies ahead."""
-        if self.lib.mmcs_sim_trace_window(self._sim, os.fsencode(path), from_s, to_s):
-            raise RunError(f"{path}: this stretch cannot be traced")
 
     def build_id(self) -> str:
         return build_id(self.lib)
@@ -245,12 +241,14 @@ class Sim(Watching, Playing):
 
     def true(self, axis: int) -> dict[str, float]:
         """What the physics did: angle and velocity (joint), current, encoder transitions."""
-        names = ("angle", "velocity", "current", "count")
-        return {n: getattr(self.lib, f"mmcs_sim_true_{n}")(self._sim, axis) for n in names}
+        truth = self.ffi.new("mmcs_truth *")
+        self.lib.mmcs_sim_true(self._sim, axis, truth)
+        return {n: getattr(truth, n) for n in ("angle", "velocity", "current", "count")}
 
     def encoder_register(self, axis: int) -> int:
         """The 16-bit counter on the card, read without disturbing it."""
-        return self.lib.mmcs_sim_encoder_register(self._sim, axis)
+        path = f"g_card[{axis // 2}].u_card.g_axis[{axis % 2}].u_axis.u_encoder.count_q"
+        return self.register(list(self.registers()).index(path))
 
     def registers(self) -> dict[str, int]:
         """Every register of the hardware, by its name from mmcs down, and its bits."""
@@ -270,10 +268,7 @@ class Sim(Watching, Playing):
     def snapshot(self, at_s: float | None = None) -> int:
         """The number of a snapshot of now; or runs until at_s, for one of that instant or of the
         last one before it at which no firmware is active."""
-        if at_s is None:
-            number = self.lib.mmcs_sim_snapshot(self._sim)
-        else:
-            number = self.lib.mmcs_sim_snapshot_at(self._sim, at_s)
+        number = self.lib.mmcs_sim_snapshot(self._sim, -1.0 if at_s is None else at_s)
         if number < 0:
             raise RunError("no snapshot: an assertion of the machine has failed")
         return number

@@ -33,13 +33,9 @@ class Watching:
         """Servo samples since power-on."""
         return self.lib.mmcs_sim_samples(self._sim)
 
-    def bus_watch(self) -> None:
-        """From now on bus_cycles() has every cycle of the VME bus."""
-        if self.lib.mmcs_sim_bus_watch(self._sim):
-            raise RunError("a machine with its own processor has no VME bus to watch")
-
     def bus_cycles(self) -> bytes:
-        """Those since the last call, as an array of mmcs_bus_cycle."""
+        """Cycles of the VME bus since the last call, an array of mmcs_bus_cycle; the first call
+        starts to record them."""
         out = self.ffi.new("const mmcs_bus_cycle **")
         count = self.lib.mmcs_sim_bus_cycles(self._sim, out)
         return bytes(self.ffi.buffer(out[0], count * self.ffi.sizeof("mmcs_bus_cycle")))

@@ -29,7 +29,7 @@ class ProgramSession(Session):
         sim, programs = self.sim, self.setup.scenario.program
         began = time.perf_counter()
         if self.bus is not None:
-            sim.bus_watch()
+            sim.bus_cycles()
         self.begin()
         with tempfile.TemporaryDirectory(prefix="mmcs-") as folder:
             console, out = (lambda _: None, subprocess.DEVNULL) if self._quiet else (say, None)

@@ -76,7 +76,7 @@ class Session:
         sim, setup = self.sim, self.setup
         began = time.perf_counter()
         if self.bus is not None:
-            sim.bus_watch()
+            sim.bus_cycles()
         ok, ended = True, ""
         try:
             self.begin()

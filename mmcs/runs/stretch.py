@@ -28,7 +28,7 @@ class Changing:
 
     def _open(self) -> None:
         self._now = self._traced
-        self._traced.trace_window(self._path, self._from, self._to)
+        self._traced.trace(self._path, self._from, self._to)
 
     def run(self, until_s: float) -> bool:
         if self._now is self._quick and not self._left and until_s >= self._from:

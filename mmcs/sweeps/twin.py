@@ -84,8 +84,7 @@ class Twin:
         raise InputError.one(self.setup.path, "", None, allowed)
 
     def _angles(self) -> np.ndarray:
-        true = self.sim.lib.mmcs_sim_true_angle
-        return np.array([true(self.sim._sim, axis) for axis in self.axes]) * self.scale
+        return np.array([self.sim.true(axis)["angle"] for axis in self.axes]) * self.scale
 
     def _restore(self, at: float) -> int:
         """The last snapshot not after a time of the motion; its look."""

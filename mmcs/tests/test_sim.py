@@ -22,7 +22,7 @@ def sim(setup):
 
 
 def test_build_says_what_it_is(sim):
-    assert sim.build() == {"cards": 1, "clk_hz": 8_000_000, "skip": 1, "trace": 0}
+    assert sim.build() == {"cards": 1, "clk_hz": 8_000_000}
     assert (sim.time, sim.clock) == (0.0, 0)
 
 

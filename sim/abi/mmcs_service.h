@@ -106,7 +106,7 @@ typedef struct mmcs_setup {
   char magic[8];   /* "mmcsset\n" */
   uint32_t bytes;  /* of all of it */
   uint32_t sum;    /* CRC-32 of what follows this field */
-  char build[64];  /* mmcs_sim_build_id() of the build that it is for */
+  char build[64];  /* mmcs_sim_build_id() of the build that it is for, and of no other */
   char name[64];   /* of the scenario */
   double duration; /* of the motion, s */
   int32_t clk_hz;  /* of the machine */
@@ -135,8 +135,7 @@ typedef struct mmcs_overrides {
 
 /* The machine of a set-up in power-on state, and what is done with it; overrides may be NULL. The
  * data is not needed afterwards. NULL on error, with one sentence in err: the data is no set-up,
- * cut short, damaged, of another build, or the machine is impossible. On success err holds a
- * caution, or is empty. */
+ * cut short, damaged, of another build, or the machine cannot be made. */
 struct mmcs_sim *mmcs_sim_create_from(const void *data, size_t size,
                                       const mmcs_overrides *overrides, char *err, size_t err_len);
 mmcs_script *mmcs_script_create_from(const void *data, size_t size, const mmcs_overrides *overrides,

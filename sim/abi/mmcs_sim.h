@@ -66,14 +66,13 @@ typedef struct mmcs_config {
   int32_t links; /* 0: axes stand alone; else == axes: coupled arm */
   int32_t skip;  /* 1: event skipping on, if the model was built for it */
   uint64_t seed;
-  double gravity[3];      /* m/s^2 in the base frame, for the arm */
-  double cpu_us_per_axis; /* servo computation time of the host, per axis and interrupt */
-  double latency_max_us;  /* interrupt latency is uniform in 0..this, by seed */
-  double bus_timeout_us;  /* VME bus timer */
-  int32_t amp_panic_cut;  /* 1: amplifiers are disabled while PANIC is high */
-  int32_t two_evals;   /* 1: evaluate both clock edges, the reference for one evaluation a clock */
-  int32_t host;        /* what runs the firmware: one of MMCS_HOST_... */
-  int32_t wait_states; /* of a real processor's memory */
+  double gravity[3];         /* m/s^2 in the base frame, for the arm */
+  double cpu_us_per_axis;    /* servo computation time of the host, per axis and interrupt */
+  double latency_max_us;     /* interrupt latency is uniform in 0..this, by seed */
+  double bus_timeout_us;     /* VME bus timer */
+  int32_t amp_panic_cut;     /* 1: amplifiers are disabled while PANIC is high */
+  int32_t host;              /* what runs the firmware: one of MMCS_HOST_... */
+  int32_t wait_states;       /* of a real processor's memory */
   int32_t instruction_cache; /* its bytes: 256, or 0 for one in which every fetch hits */
   int32_t axis_speed;        /* counts/s, of the fastest axis: struct mc_config; 0: not known */
   char processor[256];       /* file names for a real processor: its library, */
@@ -162,25 +161,21 @@ typedef struct mmcs_snapshot {
 typedef struct mmcs_sim mmcs_sim;
 
 /* Creates a machine in power-on state at t = 0: for mmcs_sim_create_from() of mmcs_service.h, which
- * all others use. NULL on error, with one sentence in err. On success err holds a caution, or is
- * empty. */
+ * all others use. The values are those of a checked scenario. NULL on error, with one sentence in
+ * err. */
 mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
                           const mmcs_link *links, char *err, size_t err_len);
 void mmcs_sim_destroy(mmcs_sim *sim);
 
-/* What this build of the model is: cards, clk_hz, skip (0/1), trace (0/1). */
+/* What this build of the model is. */
 int32_t mmcs_sim_build_cards(void);
 int32_t mmcs_sim_build_clk_hz(void);
-int32_t mmcs_sim_build_skip(void);
-int32_t mmcs_sim_build_trace(void);
 /* Kind, cards and a digest of all sources: what a snapshot must match. */
 const char *mmcs_sim_build_id(void);
 
-/* Starts an FST trace to path. 0, or -1 if this build has no tracing or the file can't be made. */
-int mmcs_sim_trace(mmcs_sim *sim, const char *path);
-/* The same for from..to (s) only, which must lie ahead; until then the run is untraced and fast.
- * The file is created at `from`. */
-int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s);
+/* FST waveforms of a stretch (s). The file is created at its beginning, or now if that has passed:
+ * -1 if this build has no tracing or the file can't be made. Later a note says so. */
+int mmcs_sim_trace(mmcs_sim *sim, const char *path, double from_s, double to_s);
 
 /* Waveforms without a file: the changes of watched nets, clock by clock. A net is a register, or a
  * port of a board or chip, of 32 bits at most, by its name from rtl/mmcs.sv down. Only a machine
@@ -227,9 +222,7 @@ typedef struct mmcs_bus_cycle {
   int32_t kind;        /* MMCS_BUS_... */
   int32_t answer;      /* 0 DTACK*, 1 none, 2 BERR* */
 } mmcs_bus_cycle;
-/* mmcs_sim_bus_watch() starts to record bus cycles (-1: this host has no VME bus);
- * mmcs_sim_bus_cycles() gives those since its last call, valid until its next. */
-int mmcs_sim_bus_watch(mmcs_sim *sim);
+/* Those since the last call, valid until the next; the first call starts to record them. */
 int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles);
 
 /* t0 of a segment counts from the call of mmcs_sim_start_motion(). numbers: those of TABLEs, which
@@ -283,14 +276,13 @@ int mmcs_sim_notes(const mmcs_sim *sim, const mmcs_note **notes);
 /* Notes are kept up to a limit; this many later ones were not kept. */
 int64_t mmcs_sim_notes_lost(const mmcs_sim *sim);
 void mmcs_sim_get_stats(const mmcs_sim *sim, mmcs_stats *stats);
-/* What the physics did: joint angle (rad), joint velocity, motor current (A), and encoder
- * transitions up minus down since t = 0. */
-double mmcs_sim_true_angle(const mmcs_sim *sim, int axis);
-double mmcs_sim_true_velocity(const mmcs_sim *sim, int axis);
-double mmcs_sim_true_current(const mmcs_sim *sim, int axis);
-int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis);
-/* The 16-bit counter of the axis on its card, read without disturbing it. */
-int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis);
+/* What the physics did. -1: there is no such axis. */
+typedef struct mmcs_truth {
+  double angle, velocity; /* of the joint, rad and rad/s */
+  double current;         /* A */
+  int32_t count;          /* encoder transitions up minus down since t = 0 */
+} mmcs_truth;
+int mmcs_sim_true(const mmcs_sim *sim, int axis, mmcs_truth *truth);
 /* Where a servo pass of a real processor spends its time, over those that wrote the D/As: "latency"
  * (SCLOCK to acknowledge), "pass" (SCLOCK to the end), and its parts. */
 typedef struct mmcs_phase {
@@ -344,11 +336,10 @@ int mmcs_sim_tap_note(mmcs_sim *sim, const char *kind, int32_t axis, int32_t val
                       const char *text);
 
 /* Time travel. A snapshot holds everything but client processes; after a restore the future is the
- * same to the bit. mmcs_sim_snapshot() is of now; mmcs_sim_snapshot_at() runs until t, and its
- * snapshot is of t or, if the firmware is active at t, of the last instant at which it was not.
- * Both return a number >= 0, or -1. Restoring forgets the snapshots taken later. */
-int64_t mmcs_sim_snapshot(mmcs_sim *sim);
-int64_t mmcs_sim_snapshot_at(mmcs_sim *sim, double t);
+ * same to the bit. With t < 0 it is of now; else it runs until t, for one of t or, if the firmware
+ * is active at t, of the last instant at which it was not. Returns a number >= 0, or -1. Restoring
+ * forgets the snapshots taken later. */
+int64_t mmcs_sim_snapshot(mmcs_sim *sim, double t);
 int mmcs_sim_restore(mmcs_sim *sim, int64_t id);
 int mmcs_sim_drop(mmcs_sim *sim, int64_t id);
 /* Takes a snapshot every so many seconds of mmcs_sim_run() and keeps the last `count`. */

@@ -59,16 +59,14 @@ void Bench::put(Port port, int lsb, int width, uint64_t value) {
 #define MMCS_SEEN __attribute__((visibility("default")))
 
 extern "C" MMCS_SEEN int mmcs_dpi_clock(uint32_t vme, uint32_t lines, const uint32_t *drive,
-                                        const uint32_t *leds, const uint32_t *counters,
-                                        uint64_t *bus, uint32_t *safety, uint32_t *encoder,
-                                        uint32_t *switches, uint32_t *adc) {
+                                        const uint32_t *leds, uint64_t *bus, uint32_t *safety,
+                                        uint32_t *encoder, uint32_t *switches, uint32_t *adc) {
   using namespace mmcs;
   Bench &bench = Bench::only();
   bench.vme = vme;
   bench.lines = lines;
   std::copy_n(drive, MMCS_DPI_AXIS_WORDS, bench.drive);
   std::copy_n(leds, MMCS_DPI_LED_WORDS, bench.leds);
-  std::copy_n(counters, MMCS_DPI_AXIS_WORDS, bench.counters);
   const int result = bench.enter();
   const auto at = [&bench](Port port, int bit) { return bench.level(port) << bit; };
   *bus = at(kVmeD, 0) | at(kVmeA, MMCS_DPI_A) | at(kVmeAm, MMCS_DPI_AM) | at(kVmeAs, MMCS_DPI_AS) |

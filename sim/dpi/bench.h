@@ -39,7 +39,6 @@ class Bench {
   // What the machine showed before the edge.
   uint32_t vme = 0, lines = 0;
   uint32_t drive[MMCS_DPI_AXIS_WORDS] = {}, leds[MMCS_DPI_LED_WORDS] = {};
-  uint32_t counters[MMCS_DPI_AXIS_WORDS] = {};
   // A port as it stands from the edge on; 32 bits a word.
   uint64_t level(Port port) const { return ports_[port][0] | uint64_t{ports_[port][1]} << 32; }
   const uint32_t *words(Port port) const { return ports_[port]; }

@@ -30,26 +30,7 @@ class DpiModel : public Model {
   }
 
   Stop run(int64_t n, int dtack, int64_t *ran) override {
-    const int64_t begin = clock_;
-    Stop stop = Stop::kDone;
-    const auto answered = [&] { return dtack >= 0 && this->dtack() == (dtack == 0); };
-    while (clock_ < begin + n) {
-      const bool moved = lines_ != shown_lines_;
-      lines_ = shown_lines_;
-      const int64_t passed = clocks(moved || answered() ? 1 : begin + n - clock_);
-      clock_ += passed;
-      evals_ += passed;
-      if (moved) {
-        stop = Stop::kLines;
-        break;
-      }
-      if (answered()) {
-        stop = Stop::kDtack;
-        break;
-      }
-    }
-    *ran = clock_ - begin;
-    return stop;
+    return run_by(n, dtack, ran, [this](int64_t most) { return clocks(most); });
   }
 
   bool dtack() const override { return !(bench_.vme >> MMCS_DPI_DTACK & 1); }
@@ -94,7 +75,7 @@ class DpiModel : public Model {
 
 }  // namespace
 
-std::unique_ptr<Model> Model::create(bool, bool, uint64_t, const std::string &card) {
+std::unique_ptr<Model> Model::create(bool, uint64_t, const std::string &card) {
   if (!card.empty()) throw std::invalid_argument("own cards belong into the testbench here");
   return std::make_unique<DpiModel>();
 }
@@ -104,17 +85,6 @@ int Model::cards() {
 }
 int Model::clk_hz() {
   return Bench::only().clk_hz();
-}
-bool Model::skip() {
-  return false;
-}
-bool Model::traced() {
-  return false;
-}
-
-// The one register that a run looks at: a witness of where the card believes the axis is.
-uint16_t Model::encoder_register(int axis) {
-  return static_cast<uint16_t>(bits_of(Bench::only().counters, 16 * axis, 16));
 }
 uint64_t Model::digest() {
   refuse();

@@ -53,15 +53,15 @@ int mmcs_dpi_open(const char *setup, const char *folder, int cards, int clk_hz);
  * comes out. The testbench therefore reads before and drives by non-blocking assignment.
  *
  * In: vme and lines, the bits above; drive, drive_v_o, 16 bits an axis; leds, card_leds_o, 11 bits
- * a card; counters, the encoder counters of the cards, 16 bits an axis: a witness, no pin.
+ * a card.
  *
  * Out: bus and safety, the bits above; encoder, enc_a_i in 31..0, enc_b_i in 63..32 and enc_i_i in
  * 95..64; switches, axis_enable_i in 31..0 and dip_i in 95..32; adc, adc_v_i, 16 bits an axis.
  *
  * Returns 0 while the run goes on; when it has ended 1 and its exit status: 1 is a good end. */
 int mmcs_dpi_clock(uint32_t vme, uint32_t lines, const uint32_t *drive, const uint32_t *leds,
-                   const uint32_t *counters, uint64_t *bus, uint32_t *safety, uint32_t *encoder,
-                   uint32_t *switches, uint32_t *adc);
+                   uint64_t *bus, uint32_t *safety, uint32_t *encoder, uint32_t *switches,
+                   uint32_t *adc);
 
 #ifdef __cplusplus
 }

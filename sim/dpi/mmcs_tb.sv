@@ -19,7 +19,6 @@ module mmcs_tb #(
     input  int unsigned     lines,
     input  bit      [511:0] drive,
     input  bit      [191:0] leds,
-    input  bit      [511:0] counters,
     output longint unsigned bus,
     output int unsigned     safety,
     output bit      [ 95:0] encoder,
@@ -49,7 +48,7 @@ module mmcs_tb #(
   logic [15:0] d;
   logic d_oe, dtack_n, iackout_n, panic, brake_release, alive, sclock;
   logic [7:1] irq_n;
-  logic [16*Axes-1:0] drive, counters;
+  logic [16*Axes-1:0] drive;
   logic [11*NumCards-1:0] leds;
 
   mmcs #(
@@ -104,12 +103,6 @@ module mmcs_tb #(
     .pcx_irq_i(5'b00000)
   );
 
-  // A witness beside the pins: where each card believes its axes to be.
-  for (genvar axis = 0; axis < Axes; axis++) begin : g_counter
-    assign counters[16*axis+:16] =
-        u_mmcs.u_cards.g_card[axis/2].u_card.g_axis[axis%2].u_axis.u_encoder.count_q;
-  end
-
   // --- the call -------------------------------------------------------------------------------
 
   longint unsigned next_bus;
@@ -123,13 +116,12 @@ module mmcs_tb #(
   int over_clks;
 
   always @(posedge clk) begin
-    if (rst_n && $isunknown({vme, alive, sclock, brake_release, panic, drive, leds,
-                             counters})) begin
+    if (rst_n && $isunknown({vme, alive, sclock, brake_release, panic, drive, leds})) begin
       $fatal(1, "mmcs_tb: an output of the machine is X; the call knows 0 and 1 only");
     end
     result = mmcs_dpi_clock(32'(vme), {28'h0, alive, sclock, brake_release, panic}, 512'(drive),
-                            192'(leds), 512'(counters), next_bus, next_safety, next_encoder,
-                            next_switches, next_adc);
+                            192'(leds), next_bus, next_safety, next_encoder, next_switches,
+                            next_adc);
     bus <= next_bus;
     safety <= next_safety;
     encoder <= next_encoder;

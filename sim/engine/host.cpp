@@ -8,8 +8,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "../../firmware/ports/mailbox.h"
-
 namespace mmcs {
 namespace {
 

@@ -23,13 +23,6 @@ int16_t to_pin(double volts) {
   return static_cast<int16_t>(units < 0 ? units - 0.5 : units + 0.5);
 }
 
-int64_t clocks_up(double seconds) {
-  const double exact = seconds * Model::clk_hz();
-  const int64_t whole = static_cast<int64_t>(exact);
-  // A time given in decimals may sit a hair above the clock that it means.
-  return exact - static_cast<double>(whole) > 1e-6 ? whole + 1 : whole;
-}
-
 }  // namespace
 
 Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs_link *links)
@@ -37,7 +30,7 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   clks_per_step_ = static_cast<int>(int64_t{Model::clk_hz()} * kStepUs / 1000000);
   // Two clocks between edges of one axis: the counter's 4 million counts a second at 8 MHz.
   plant_ = Plant::create(config, motors, links, clks_per_step_, Model::clk_hz() / 4000000);
-  model_ = Model::create(config.two_evals != 0, config.skip != 0, config.seed, config.card);
+  model_ = Model::create(config.skip != 0, config.seed, config.card);
   lines_ = model_->lines();
   tap_.lines(0, lines_);
   drive_.resize(static_cast<size_t>(axes_));
@@ -51,8 +44,11 @@ Machine::Machine(const mmcs_config &config, const mmcs_motor *motors, const mmcs
   }
 }
 
-int64_t Machine::clocks(double seconds) const {
-  return clocks_up(seconds);
+int64_t Machine::clocks(double seconds) {
+  const double exact = seconds * Model::clk_hz();
+  const int64_t whole = static_cast<int64_t>(exact);
+  // A time given in decimals may sit a hair above the clock that it means.
+  return exact - static_cast<double>(whole) > 1e-6 ? whole + 1 : whole;
 }
 
 // Of an upset "seu.<register>", its register; else -1.
@@ -123,28 +119,25 @@ void Machine::expect_edges() {
   expected_ = model_->expect(coming_);
 }
 
-bool Machine::trace_window(const std::string &path, double from_s, double to_s) {
-  if (!Model::traced()) return false;
+bool Machine::trace(const std::string &path, double from_s, double to_s) {
   trace_path_ = path;
+  trace_at_ = clocks(from_s);
+  trace_end_ = clocks(to_s);
   due_ = clock_;
-  trace_at_ = clocks_up(from_s);
-  trace_end_ = clocks_up(to_s);
-  return true;
+  return clock_ < trace_at_ || trace_due();
 }
 
-void Machine::trace_due() {
-  if (clock_ >= trace_end_) {
-    model_->trace("");
-    trace_at_ = trace_end_ = INT64_MAX;
-  } else {
-    if (!model_->trace(trace_path_)) note("log", -1, "the trace file cannot be made");
-    trace_at_ = trace_end_;
-  }
+bool Machine::trace_due() {
+  const bool begins = clock_ < trace_end_;
+  const bool good = model_->trace(begins ? trace_path_ : "") || !begins;
+  if (!good) note("log", -1, "the trace file cannot be made");
+  trace_at_ = begins ? trace_end_ : INT64_MAX;
+  return good;
 }
 
 void Machine::apply_due() {
   if (clock_ >= trace_at_) trace_due();
-  while (next_event_ < events_.size() && clocks_up(events_[next_event_].t) <= clock_) {
+  while (next_event_ < events_.size() && clocks(events_[next_event_].t) <= clock_) {
     apply(events_[next_event_++]);
   }
   if (clock_ >= next_step_) plant_step();
@@ -159,7 +152,7 @@ int64_t Machine::next_due() const {
   int64_t stop = std::min(next_step_, trace_at_);
   if (!expected_ && next_edge_ < edges_.size())
     stop = std::min(stop, step_start_ + edges_[next_edge_].clk);
-  if (next_event_ < events_.size()) stop = std::min(stop, clocks_up(events_[next_event_].t));
+  if (next_event_ < events_.size()) stop = std::min(stop, clocks(events_[next_event_].t));
   return stop;
 }
 
@@ -292,7 +285,7 @@ void Machine::apply(const mmcs_event &event) {
       plant_->set_input(input.number, event.index, event.value);
       break;
     case Action::kStall:
-      stalled_until_ = clock_ + clocks_up(event.value * 1e-3);
+      stalled_until_ = clock_ + clocks(event.value * 1e-3);
       break;
     case Action::kBusError:
       bus_errors_ = value;

@@ -48,7 +48,7 @@ class Machine {
 
   int64_t clock() const { return clock_; }
   double time() const { return static_cast<double>(clock_) / Model::clk_hz(); }
-  int64_t clocks(double seconds) const;  // rounded up
+  static int64_t clocks(double seconds);  // rounded up
   bool irq() const { return (model_->lines() & kLineIrq) != 0; }
   bool panic() const { return (model_->lines() & kLinePanic) != 0; }
   bool failed() const { return !model_->failure().empty(); }
@@ -102,8 +102,8 @@ class Machine {
   Tap &tap() { return tap_; }
   const Tap &tap() const { return tap_; }
 
-  // From now on the model is traced between these times only. False: this build cannot.
-  bool trace_window(const std::string &path, double from_s, double to_s);
+  // The model is traced between these times only. False: it cannot be, and `from_s` is past.
+  bool trace(const std::string &path, double from_s, double to_s);
 
   // Everything that changes, RTL and plant included; of the notes only how many there are.
   template <class A>
@@ -169,7 +169,7 @@ class Machine {
   void expect_edges();
   void apply(const mmcs_event &event);
   void apply_due();
-  void trace_due();
+  bool trace_due();
   int64_t next_due() const;
   // Of the edges that the model knows, those that are over.
   void pass_edges() {

@@ -89,30 +89,14 @@ double Motion::value(const Segment &segment, double from, double t) {
   }
 }
 
-static std::string check(const mmcs_segment &segment) {
-  if (segment.kind < MMCS_SEG_HOLD || segment.kind > MMCS_SEG_SQUARE) return "unknown kind";
-  if (!(segment.t0 >= 0) || !(segment.duration >= 0)) return "a time is negative";
-  for (double x : {segment.t0, segment.duration, segment.to, segment.amplitude, segment.f0,
-                   segment.f1, segment.v_max, segment.a_max}) {
-    if (!std::isfinite(x)) return "a value is not a number";
-  }
-  return "";
-}
-
-std::string Motion::add(const mmcs_segment &segment, const double *table) {
-  if (segment.axis < 0 || static_cast<size_t>(segment.axis) >= axes_.size()) return "no such axis";
-  if (const std::string why = check(segment); !why.empty()) return why;
+bool Motion::add(const mmcs_segment &segment, const double *table) {
+  const bool has_table = table && segment.table_len > 0;
+  if (segment.axis < 0 || static_cast<size_t>(segment.axis) >= axes_.size()) return false;
+  if (segment.kind == MMCS_SEG_TABLE && !has_table) return false;
   Segment kept{segment, {}};
-  if (segment.kind == MMCS_SEG_TABLE) {
-    if (!table || segment.table_len < 1) return "the table is empty";
-    kept.table.assign(table, table + segment.table_len);
-  }
-  Axis &axis = axes_[static_cast<size_t>(segment.axis)];
-  if (!axis.segments.empty() && axis.segments.back().s.t0 > segment.t0) {
-    return "a segment begins before the one in front of it";
-  }
-  axis.segments.push_back(kept);
-  return "";
+  if (has_table) kept.table.assign(table, table + segment.table_len);
+  axes_[static_cast<size_t>(segment.axis)].segments.push_back(kept);
+  return true;
 }
 
 int32_t Motion::at(int axis, double t) {

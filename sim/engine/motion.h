@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "mmcs_sim.h"
@@ -14,8 +13,9 @@ class Motion {
  public:
   explicit Motion(int axes) : axes_(static_cast<size_t>(axes)) {}
 
-  // "" or why the segment is impossible. table: of a TABLE, else NULL.
-  std::string add(const mmcs_segment &segment, const double *table);
+  // After those of its axis so far; table: of a TABLE, else NULL. False: there is no such axis, or
+  // the table is empty.
+  bool add(const mmcs_segment &segment, const double *table);
   // The value that the axis has when its first segment begins.
   void start(int axis, double value) { axes_[static_cast<size_t>(axis)].from = value; }
   // Of an axis without a motor: no.

@@ -3,15 +3,11 @@
 
 #include "processor.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
-
-#include "../../firmware/ports/mailbox.h"
 
 namespace mmcs {
 namespace {
@@ -26,21 +22,6 @@ constexpr unsigned kAmSupervisor = 0x2D;
 
 }  // namespace
 
-struct Processor::Functions {
-  decltype(&iss_abi) abi;
-  decltype(&iss_create) create;
-  decltype(&iss_destroy) destroy;
-  decltype(&iss_run) run;
-  decltype(&iss_cycles) cycles;
-  decltype(&iss_stopped) stopped;
-  decltype(&iss_set_level) set_level;
-  decltype(&iss_memory) memory;
-  decltype(&iss_pc) pc;
-  decltype(&iss_state_size) state_size;
-  decltype(&iss_get_state) get_state;
-  decltype(&iss_set_state) set_state;
-};
-
 Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmcs_config &config,
                      Events events)
     : machine_(machine),
@@ -53,26 +34,10 @@ Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmc
   std::ifstream file(image, std::ios::binary);
   const std::vector<char> bytes((std::istreambuf_iterator<char>(file)), {});
   if (bytes.empty()) throw std::runtime_error("no firmware at " + image + "; run `make firmware`");
-  library_ = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!library_) throw std::runtime_error("no processor at " + library + "; run `make firmware`");
-  f_ = new Functions;
-  const auto find = [this](auto &function, const char *name) {
-    function = reinterpret_cast<std::decay_t<decltype(function)>>(dlsym(library_, name));
-    if (!function) throw std::runtime_error(std::string("the processor lacks ") + name);
-  };
-  find(f_->abi, "iss_abi");
-  find(f_->create, "iss_create");
-  find(f_->destroy, "iss_destroy");
-  find(f_->run, "iss_run");
-  find(f_->cycles, "iss_cycles");
-  find(f_->stopped, "iss_stopped");
-  find(f_->set_level, "iss_set_level");
-  find(f_->memory, "iss_memory");
-  find(f_->pc, "iss_pc");
-  find(f_->state_size, "iss_state_size");
-  find(f_->get_state, "iss_get_state");
-  find(f_->set_state, "iss_set_state");
-  if (f_->abi() != MMCS_ISS_ABI)
+  void *const opened = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!opened) throw std::runtime_error("no processor at " + library + "; run `make firmware`");
+  f_ = std::make_unique<Functions>(Functions{opened});
+  if (!f_->abi || f_->abi() != MMCS_ISS_ABI)
     throw std::runtime_error("the processor's library is of another age");
   const struct iss_bus iss_bus = {
       this,
@@ -95,8 +60,7 @@ Processor::Processor(Machine &machine, VmeBus &bus, struct mc *mirror, const mmc
 
 Processor::~Processor() {
   if (iss_) f_->destroy(iss_);
-  delete f_;
-  if (library_) dlclose(library_);
+  if (f_) dlclose(f_->library);
 }
 
 // --- time and bus ------------------------------------------------------------------------------
@@ -212,25 +176,6 @@ bool Processor::run_until(int64_t clock, const std::function<void()> &idle) {
     step(clock);
   }
   return !machine_.failed();
-}
-
-// --- snapshots ---------------------------------------------------------------------------------
-
-size_t Processor::core_size() const {
-  return f_->state_size();
-}
-size_t Processor::memory_size() const {
-  return MAILBOX_RAM_BYTES;
-}
-void Processor::get_core(uint8_t *bytes) {
-  f_->get_state(iss_, bytes);
-}
-void Processor::put_back(const std::vector<uint8_t> &core, const std::vector<uint8_t> &memory) {
-  if (core.size() != core_size() || memory.size() != memory_size()) {
-    throw std::invalid_argument("the snapshot holds another processor");
-  }
-  f_->set_state(iss_, core.data());
-  std::memcpy(memory_, memory.data(), memory.size());
 }
 
 }  // namespace mmcs

@@ -6,12 +6,17 @@
 // the machine. Files and requests go through the mailbox of firmware/ports/mailbox.h.
 #pragma once
 
+#include <dlfcn.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "../../firmware/ports/mailbox.h"
 #include "../hosts/iss.h"
 #include "archive.h"
 #include "driver.h"
@@ -54,16 +59,19 @@ class Processor {
 
   template <class A>
   void state(A &a) {
-    std::vector<uint8_t> core(core_size()), memory(memory_, memory_ + memory_size());
-    if constexpr (!A::kReads) get_core(core.data());
-    a(core);
-    a(memory);
+    std::vector<uint8_t> core(f_->state_size()), memory(memory_, memory_ + MAILBOX_RAM_BYTES);
+    if constexpr (!A::kReads) f_->get_state(iss_, core.data());
+    a.same(core);
+    a.same(memory);
     for (auto *n : {&units_, &seen_cycles_}) a(*n);
     a(doorbell_);
     a(up_);
     a(dead_);
     a(pending_);
-    if constexpr (A::kReads) put_back(core, memory);
+    if constexpr (A::kReads) {
+      f_->set_state(iss_, core.data());
+      std::copy(memory.begin(), memory.end(), memory_);
+    }
   }
 
  private:
@@ -88,10 +96,6 @@ class Processor {
   void mirror();
   std::string text() const;
 
-  size_t core_size() const;
-  size_t memory_size() const;
-  void get_core(uint8_t *bytes);
-  void put_back(const std::vector<uint8_t> &core, const std::vector<uint8_t> &memory);
   void account();
   void catch_up();
   void meet();
@@ -112,9 +116,25 @@ class Processor {
   bool asks_ = false;  // call() waits for its turn
   Request *request_ = nullptr;
   std::vector<int32_t> pending_;  // a write that waits for the one before: client, values
-  void *library_ = nullptr;
-  struct Functions;
-  Functions *f_ = nullptr;
+  struct Functions {
+    void *library;
+#define ISS_FUNCTION(name) \
+  decltype(&iss_##name) name = reinterpret_cast<decltype(name)>(dlsym(library, "iss_" #name))
+    ISS_FUNCTION(abi);
+    ISS_FUNCTION(create);
+    ISS_FUNCTION(destroy);
+    ISS_FUNCTION(run);
+    ISS_FUNCTION(cycles);
+    ISS_FUNCTION(stopped);
+    ISS_FUNCTION(set_level);
+    ISS_FUNCTION(pc);
+    ISS_FUNCTION(memory);
+    ISS_FUNCTION(state_size);
+    ISS_FUNCTION(get_state);
+    ISS_FUNCTION(set_state);
+#undef ISS_FUNCTION
+  };
+  std::unique_ptr<Functions> f_;
   struct iss *iss_ = nullptr;
   uint8_t *memory_ = nullptr;
   // 8 MHz against 16.67 MHz: 25 cycles are 12 clocks, or as many times more as ClkHz is higher.

@@ -8,12 +8,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "../../firmware/ports/mailbox.h"
-
-extern "C" {
-#include "mc_priv.h"
-}
-
 namespace mmcs {
 namespace {
 

@@ -1,47 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C ABI of mmcs_sim.h, but for deeds, past and tap. No exception leaves it.
+// The C ABI of mmcs_sim.h, but for deeds and time travel. No exception leaves it.
 
 #include "sim.h"
 
-#include <cmath>
-#include <cstring>
 #include <exception>
-#include <memory>
-#include <string>
-
-#include "stiff.h"
 
 namespace {
 
-std::string check(const mmcs_config *config, const mmcs_motor *motors, const mmcs_link *links) {
-  if (!config) return "no configuration given";
-  if (config->cards != mmcs::Model::cards()) {
-    return "this build of the model has " + std::to_string(mmcs::Model::cards()) +
-           " cards, the configuration " + std::to_string(config->cards);
-  }
-  if (config->axes < 0 || config->axes > 2 * config->cards) return "more motors than axes";
-  if (config->axes > 0 && !motors) return "no motors given";
-  if (config->links != 0 && !links) return "no links given";
-  if (!std::memchr(config->card, 0, sizeof config->card)) return "a file's name does not end";
-  if (config->host != MMCS_HOST_NATIVE) {
-    if (config->host != MMCS_HOST_M68020) return "this host is not available";
-    if (!*config->firmware || !*config->processor) return "no processor or no firmware named";
-    for (const char *name : {config->firmware, config->processor})
-      if (!std::memchr(name, 0, sizeof config->firmware)) return "a file's name does not end";
-    if (config->wait_states < 0 || config->wait_states > 100) return "impossible wait states";
-    if (config->instruction_cache != 0 && config->instruction_cache != 256) {
-      return "the instruction cache has 256 bytes, or 0 for one that always hits";
-    }
-  }
-  for (double us : {config->cpu_us_per_axis, config->latency_max_us, config->bus_timeout_us}) {
-    if (!(us >= 0 && us <= 1e7)) return "a host time is negative or beyond 10 s";
-  }
-  return "";
-}
-
-bool valid(const mmcs_sim *sim, int axis) {
-  return sim && axis >= 0 && axis < sim->axes;
-}
+constexpr int64_t kLongest = 1 << 24;  // records in a ring of the tap
 
 }  // namespace
 
@@ -49,18 +15,12 @@ extern "C" {
 
 mmcs_sim *mmcs_sim_create(const mmcs_config *config, const mmcs_motor *motors,
                           const mmcs_link *links, char *err, size_t err_len) {
-  std::string why = check(config, motors, links);
-  if (why.empty()) {
-    try {
-      auto *sim = new mmcs_sim(*config, motors, links);
-      mmcs::tell(err, err_len, mmcs::arm_caution(links, config->links));
-      return sim;
-    } catch (const std::exception &problem) {
-      why = problem.what();
-    }
+  try {
+    return new mmcs_sim(*config, motors, links);
+  } catch (const std::exception &problem) {
+    mmcs::tell(err, err_len, problem.what());
+    return nullptr;
   }
-  mmcs::tell(err, err_len, why);
-  return nullptr;
 }
 
 void mmcs_sim_destroy(mmcs_sim *sim) {
@@ -73,24 +33,13 @@ int32_t mmcs_sim_build_cards(void) {
 int32_t mmcs_sim_build_clk_hz(void) {
   return mmcs::Model::clk_hz();
 }
-int32_t mmcs_sim_build_skip(void) {
-  return mmcs::Model::skip();
-}
-int32_t mmcs_sim_build_trace(void) {
-  return mmcs::Model::traced();
-}
 const char *mmcs_sim_build_id(void) {
   return mmcs::build_id();
 }
 
-int mmcs_sim_trace(mmcs_sim *sim, const char *path) {
-  if (!path) return -1;
-  return mmcs::guarded(sim, -1, [=] { return sim->machine.model().trace(path) ? 0 : -1; });
-}
-int mmcs_sim_trace_window(mmcs_sim *sim, const char *path, double from_s, double to_s) {
+int mmcs_sim_trace(mmcs_sim *sim, const char *path, double from_s, double to_s) {
   if (!path || !mmcs::is_time(from_s) || !mmcs::is_time(to_s) || from_s >= to_s) return -1;
-  return mmcs::guarded(sim, -1,
-                       [=] { return sim->machine.trace_window(path, from_s, to_s) ? 0 : -1; });
+  return mmcs::guarded(sim, -1, [=] { return sim->machine.trace(path, from_s, to_s) ? 0 : -1; });
 }
 
 int mmcs_sim_watch(mmcs_sim *sim, const char *name) {
@@ -210,21 +159,11 @@ int mmcs_sim_caches(const mmcs_sim *sim, mmcs_cache *caches, int n) {
   return count;
 }
 
-double mmcs_sim_true_angle(const mmcs_sim *sim, int axis) {
-  return valid(sim, axis) ? sim->machine.plant().angle(axis) : 0.0;
-}
-double mmcs_sim_true_velocity(const mmcs_sim *sim, int axis) {
-  return valid(sim, axis) ? sim->machine.plant().velocity(axis) : 0.0;
-}
-double mmcs_sim_true_current(const mmcs_sim *sim, int axis) {
-  return valid(sim, axis) ? sim->machine.plant().current(axis) : 0.0;
-}
-int32_t mmcs_sim_true_count(const mmcs_sim *sim, int axis) {
-  return valid(sim, axis) ? sim->machine.plant().count(axis) : 0;
-}
-int32_t mmcs_sim_encoder_register(mmcs_sim *sim, int axis) {
-  if (!sim || axis < 0 || axis >= 2 * mmcs::Model::cards()) return 0;
-  return sim->machine.model().encoder_register(axis);
+int mmcs_sim_true(const mmcs_sim *sim, int axis, mmcs_truth *truth) {
+  if (!sim || axis < 0 || axis >= sim->axes) return -1;
+  const mmcs::Plant &plant = sim->machine.plant();
+  *truth = {plant.angle(axis), plant.velocity(axis), plant.current(axis), plant.count(axis)};
+  return 0;
 }
 
 const char *mmcs_sim_register_name(int32_t reg) {
@@ -277,6 +216,49 @@ int mmcs_sim_checkpoints(const mmcs_sim *sim, const mmcs_checkpoint **points) {
   if (!sim || !points) return 0;
   *points = sim->host.recorder().checkpoints().data();
   return static_cast<int>(sim->host.recorder().checkpoints().size());
+}
+
+int mmcs_sim_tap(mmcs_sim *sim, int64_t rows, int64_t events) {
+  if (rows < 0 || events < 0 || rows > kLongest || events > kLongest) return -1;
+  return mmcs::guarded(sim, -1, [=] {
+    sim->machine.tap().keep(rows, events);
+    return 0;
+  });
+}
+int mmcs_sim_tap_head(const mmcs_sim *sim, mmcs_tap_head *head) {
+  if (!sim || !head) return -1;
+  const mmcs::Tap &tap = sim->machine.tap();
+  *head = {tap.rows(), tap.events(), tap.row_bytes()};
+  return 0;
+}
+int mmcs_sim_tap_rows(const mmcs_sim *sim, int64_t from, int32_t every, uint8_t *rows,
+                      int32_t limit, mmcs_tap_read *read) {
+  if (!sim || !read || from < 0 || every < 1 || limit < 0 || (limit && !rows)) return -1;
+  const auto got = sim->machine.tap().read_rows(from, every, rows, limit);
+  *read = {got.next, got.lost, got.count};
+  return 0;
+}
+int mmcs_sim_tap_events(const mmcs_sim *sim, int64_t from, mmcs_tap_event *events, int32_t limit,
+                        mmcs_tap_read *read) {
+  if (!sim || !read || from < 0 || limit < 0 || (limit && !events)) return -1;
+  const auto got = sim->machine.tap().read_events(from, events, limit);
+  *read = {got.next, got.lost, got.count};
+  return 0;
+}
+int mmcs_sim_tap_note(mmcs_sim *sim, const char *kind, int32_t axis, int32_t value,
+                      const char *text) {
+  if (!kind || !text) return -1;
+  return mmcs::guarded(sim, -1, [=] {
+    sim->machine.tap().event(sim->machine.time(), kind, axis, value, text);
+    return 0;
+  });
+}
+
+int64_t mmcs_sim_bus_cycles(mmcs_sim *sim, const mmcs_bus_cycle **cycles) {
+  if (!sim || !cycles) return 0;
+  const auto &taken = sim->bus.take();
+  *cycles = taken.data();
+  return static_cast<int64_t>(taken.size());
 }
 
 }  // extern "C"

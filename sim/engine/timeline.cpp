@@ -14,20 +14,13 @@ extern "C" const char mmcs_build_id_text[];
 namespace mmcs {
 namespace {
 
-constexpr uint32_t kFormat = 4;
-constexpr char kSnapshotMagic[8] = {'M', 'M', 'C', 'S', 'S', 'N', 'A', 'P'};
-constexpr char kHistoryMagic[8] = {'M', 'M', 'C', 'S', 'P', 'A', 'S', 'T'};
+const std::string kSnapshot = "MMCS snapshot ", kHistory = "MMCS history ";
 // While waiting for an instant: earlier ones are too far from it to be the last idle one.
 constexpr double kCandidateS = 0.02;
 
 struct Header {
-  char magic[8];
-  uint32_t format;
-  uint32_t header_size;
-  char build[64];
-  uint64_t config;
-  uint64_t size;
-  uint64_t digest;
+  char made_by[96];  // what it is, and the build
+  uint64_t config, digest;
 };
 
 // The image that a real processor runs is part of the machine.
@@ -37,23 +30,19 @@ uint64_t file_digest(const char *name) {
   return digest(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size());
 }
 
-std::string check(const uint8_t *data, size_t size, const char *magic, uint64_t config) {
-  Header h;
-  if (!data || size < sizeof h) return "not a snapshot of MMCS, or cut short";
-  std::memcpy(&h, data, sizeof h);
-  if (std::memcmp(h.magic, magic, sizeof h.magic) != 0) return "not a snapshot of MMCS";
-  h.build[sizeof h.build - 1] = 0;
-  const std::string own = build_id();
-  if (h.format != kFormat || h.header_size != sizeof h || own != h.build) {
-    return std::string("made by another build (") + h.build + ", this one is " + own +
+std::string check(const uint8_t *data, size_t size, const std::string &kind, uint64_t config) {
+  Header h{};
+  if (data && size >= sizeof h) std::memcpy(&h, data, sizeof h);
+  h.made_by[sizeof h.made_by - 1] = 0;
+  const std::string by = h.made_by;
+  if (by.rfind(kind, 0) != 0) return "not a snapshot of MMCS, or cut short";
+  if (by != kind + build_id()) {
+    return "made by another build (" + by.substr(kind.size()) + ", this one is " + build_id() +
            "); run the scenario again to make it anew";
   }
   if (h.config != config)
     return "belongs to another machine: robot, host, its firmware or seed differ";
-  if (h.size != size - sizeof h || h.digest != digest(data + sizeof h, size - sizeof h)) {
-    return "cut short or damaged";
-  }
-  return "";
+  return h.digest == digest(data + sizeof h, size - sizeof h) ? "" : "cut short or damaged";
 }
 
 }  // namespace
@@ -62,7 +51,7 @@ const char *build_id() {
   return mmcs_build_id_text;
 }
 
-// skip and two_evals are left out: they change how fast time passes, not what happens.
+// skip is left out: it changes how fast time passes, not what happens.
 uint64_t config_digest(const mmcs_config &config, const mmcs_motor *motors,
                        const mmcs_link *links) {
   Hash hash;
@@ -172,15 +161,9 @@ bool Timeline::restore(int64_t id) {
   return true;
 }
 
-Bytes Timeline::packed(const char *magic, const Bytes &content) const {
-  Header h{};
-  std::memcpy(h.magic, magic, sizeof h.magic);
-  h.format = kFormat;
-  h.header_size = sizeof h;
-  std::snprintf(h.build, sizeof h.build, "%s", build_id());
-  h.config = config_digest_;
-  h.size = content.size();
-  h.digest = digest(content.data(), content.size());
+Bytes Timeline::packed(const std::string &kind, const Bytes &content) const {
+  Header h{{}, config_digest_, digest(content.data(), content.size())};
+  std::snprintf(h.made_by, sizeof h.made_by, "%s", (kind + build_id()).c_str());
   Writer writer;
   writer.raw(&h, sizeof h);
   writer.raw(content.data(), content.size());
@@ -190,21 +173,21 @@ Bytes Timeline::packed(const char *magic, const Bytes &content) const {
 const Bytes *Timeline::bytes(int64_t id) {
   const size_t place = find(id);
   if (place == infos_.size()) return nullptr;
-  out_ = packed(kSnapshotMagic, states_[place]);
+  out_ = packed(kSnapshot, states_[place]);
   return &out_;
 }
 
 const Bytes *Timeline::history() {
   Writer writer;
   past(writer);
-  history_out_ = packed(kHistoryMagic, writer.take());
+  history_out_ = packed(kHistory, writer.take());
   return &history_out_;
 }
 
 std::string Timeline::restore_bytes(const uint8_t *snapshot, size_t size, const uint8_t *past_data,
                                     size_t past_size) {
-  std::string why = check(snapshot, size, kSnapshotMagic, config_digest_);
-  if (why.empty()) why = check(past_data, past_size, kHistoryMagic, config_digest_);
+  std::string why = check(snapshot, size, kSnapshot, config_digest_);
+  if (why.empty()) why = check(past_data, past_size, kHistory, config_digest_);
   if (!why.empty()) return why;
   Writer own_past, own;
   past(own_past);

@@ -63,7 +63,7 @@ class Timeline {
   int64_t add(bool of_ring);
   void forget(size_t place);
   size_t find(int64_t id) const;
-  Bytes packed(const char *magic, const Bytes &content) const;
+  Bytes packed(const std::string &kind, const Bytes &content) const;
 
   Machine &machine_;
   VmeBus &bus_;

@@ -24,10 +24,10 @@ class VmeBus {
   uint64_t cycles() const { return cycles_; }
   int32_t failures() const { return failures_; }
 
-  // From now on every cycle is kept until it is taken; no part of the state.
-  void watch() { watched_ = true; }
-  // Those since the last call; valid until the next.
+  // The cycles since the last call, valid until the next; the first call starts to keep them. No
+  // part of the state.
   const std::vector<mmcs_bus_cycle> &take() {
+    watched_ = true;
     taken_.clear();
     taken_.swap(kept_);
     return taken_;

@@ -171,19 +171,21 @@ static bool has_axis(const struct unit *u, fmi3ValueReference ref) {
 /* NaN: there is none. */
 static double number(const struct unit *u, fmi3ValueReference ref) {
   int axis = (int)(ref % PER_AXIS);
+  mmcs_truth truth = {0};
   if (ref == TIME) return u->at.now;
   if (ref < PER_AXIS || !has_axis(u, ref)) return NAN;
+  mmcs_sim_true(u->sim, axis, &truth);
   switch (ref / PER_AXIS) {
     case SETPOINT:
       return u->at.setpoint[axis];
     case ENCODER:
       return u->at.state[axis].encnow;
     case ANGLE:
-      return u->sim != NULL ? mmcs_sim_true_angle(u->sim, axis) : 0;
+      return truth.angle;
     case VELOCITY:
-      return u->sim != NULL ? mmcs_sim_true_velocity(u->sim, axis) : 0;
+      return truth.velocity;
     case CURRENT:
-      return u->sim != NULL ? mmcs_sim_true_current(u->sim, axis) : 0;
+      return truth.current;
     default:
       return NAN;
   }
@@ -297,7 +299,7 @@ fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
   const uint8_t *snapshot = NULL, *history = NULL;
   struct state head = {.at = u->at, .setup = ((const mmcs_setup *)u->setup)->sum};
   if (u->sim != NULL) {
-    const int64_t id = mmcs_sim_snapshot(u->sim);
+    const int64_t id = mmcs_sim_snapshot(u->sim, -1);
     if (id < 0) return refuse(u, "fmi3GetFMUState", "an assertion of the machine has failed");
     head.script = mmcs_script_save(u->script, NULL);
     head.snapshot = (uint64_t)mmcs_sim_snapshot_bytes(u->sim, id, &snapshot);

@@ -10,6 +10,10 @@
 class VerilatedContext;
 class VerilatedFstC;
 
+// Verilator's run-time library prints through this where assertions are compiled in: a library does
+// not write to the console; the text becomes the note of the failed assertion.
+extern "C" int mmcs_model_print(const char *format, ...);
+
 namespace mmcs {
 
 // What the models of a machine share. Verilator's own header takes longer to compile than most

@@ -10,10 +10,7 @@ namespace mmcs {
 
 class Checked final : public Plain {
  public:
-  Checked(uint64_t seed, const std::string &card)
-      : Plain(seed, card), rack_(false, true, seed, card) {
-    power_on();
-    rack_.power_on();
+  Checked(uint64_t seed, const std::string &card) : Plain(seed, card), rack_(true, seed, card) {
     rack_.check(kChecked);
     pins_.also(&rack_.pins());
   }

@@ -43,7 +43,7 @@ Net find_net(const VerilatedContext &context, const std::string &scope, const st
 
 }  // namespace mmcs
 
-// Verilator's runtime prints and stops through these; see print_hook.h.
+// Verilator's run-time library prints and stops through these.
 extern "C" int mmcs_model_print(const char *format, ...) {
   char text[400];
   va_list arguments;
@@ -59,3 +59,22 @@ void vl_stop(const char *file, int line, const char *) {
   if (mmcs::printed.empty()) mmcs::printed = std::string(file) + ":" + std::to_string(line);
   Verilated::threadContextp()->gotError(true);
 }
+
+#ifdef __EMSCRIPTEN__  // what it asks about processors: in a page, no answer
+#include <pthread.h>
+#include <sched.h>
+
+#include <cerrno>
+
+extern "C" {
+int pthread_getaffinity_np(pthread_t, size_t, cpu_set_t *) {
+  return ENOSYS;
+}
+int pthread_setaffinity_np(pthread_t, size_t, const cpu_set_t *) {
+  return ENOSYS;
+}
+int sched_getcpu() {
+  return -1;
+}
+}
+#endif

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes of the design what the model needs: `generate.py boards|wires|checkers|triggers ...`.
+"""Makes of the design what the model needs: `generate.py boards|wires|checkers ...`.
 
 boards DIR CLK        registers.vlt (what Verilator keeps visible), *.args (parameters), *.ports
                       *_shell.sv, *_shell.vlt: a chip without contents, for other parts
@@ -9,14 +9,12 @@ boards DIR CLK        registers.vlt (what Verilator keeps visible), *.args (para
 wires DIR CLK N       wires.cpp: how rtl/mmcs.sv wires the boards of N cards
                       *_shell.sv, glue.vlt: empty boards, and what is visible between them
 checkers DIR CLK N    checkers.inc, checkers.vlt: the bus checkers, whose reset can be forced
-triggers DIR          triggers.inc: the bit of each clock in Verilator's triggers
-                      V*.edges: the values whose edges a model detects, with those before
 """
 
 import os
-import re
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -44,28 +42,23 @@ def read_design(folder: Path, cards: int, clk_hz: str, *sets: str) -> Netlist:
     return Netlist(folder / "Vtree.tree.json")
 
 
+def by_name(modules: Iterable[Module]) -> dict[str, Module]:
+    found: dict[str, Module] = {}
+    for module in modules:
+        if found.setdefault(module.name, module) is not module:
+            raise SystemExit(f"generate: {module.name} has different parameters")
+    return found
+
+
 def boards(netlist: Netlist) -> dict[str, Module]:
     """The modules that mmcs.sv is made of, one of a name."""
-    found: dict[str, Module] = {}
-    for _, key, _ in netlist.top.cells:
-        module = netlist.modules[key]
-        if found.setdefault(module.name, module) is not module:
-            raise SystemExit(f"generate: boards {module.name} of different parameters")
-    return found
+    return by_name(netlist.modules[key] for _, key, _ in netlist.top.cells)
 
 
 def chips(netlist: Netlist) -> dict[str, Module]:
     """The chips that are models of their own, one of a name."""
-    found: dict[str, Module] = {}
-    for board in boards(netlist).values():
-        for i in instances(netlist, board):
-            if (
-                i.path
-                and i.module.name in CHIPS
-                and found.setdefault(i.module.name, i.module) is not i.module
-            ):
-                raise SystemExit(f"generate: chips {i.module.name} of different parameters")
-    return found
+    inside = (i for board in boards(netlist).values() for i in instances(netlist, board) if i.path)
+    return by_name(i.module for i in inside if i.module.name in CHIPS)
 
 
 def config(folder: Path, netlist: Netlist) -> None:
@@ -206,43 +199,9 @@ def checkers(folder: Path, netlist: Netlist) -> None:
     write_ports(folder / "mmcs", netlist.top)
 
 
-def edges_text(model: Path) -> str:
-    """The values whose edges a model detects, except the clock's, each with that before."""
-    text = model.read_text().split("___eval_triggers_vec__act(", 1)[1].split("\n}", 1)[0]
-    pairs = re.findall(r"vlSelfRef\.(__Vtrigprev\w+)\s*=\s*([^;,]+);", text)
-    if len(pairs) != len(re.findall(r"__Vtrigprev\w+\s*=", text)):
-        raise SystemExit(f"generate: {model.name} detects edges in a way that is not understood")
-    found = {old: " ".join(new.replace("vlSelfRef.", "root_->").split()) for old, new in pairs}
-    return "".join(f"MMCS_EDGE({o}, {n})\n" for o, n in found.items() if n != "root_->clk_i")
-
-
-def triggers_text(folder: Path) -> str:
-    """Verilator's tables of triggers: index of each clock and reset, by its expression."""
-    out = ["// Made by sim/model/generate.py."]
-    for path in sorted(folder.glob("v/V*__Slow.cpp")):
-        text = path.read_text()
-        for model in set(re.findall(r"(V\w+?)___024root___dump_triggers__act", text)):
-            body = text.split(f"{model}___024root___dump_triggers__act", 1)[1].split("\n}", 1)[0]
-            found = re.findall(r"trigger index (\d+) is active: @\((\w+) ([^)]+)\)", body)
-            for index, edge, name in found:
-                out.append(f'{{"{model}", {index}, {int(edge == "posedge")}, "{name}"}},')
-    return "\n".join(sorted(set(out))) + "\n"
-
-
-def write_triggers(out: Path) -> None:
-    (out / "triggers.inc").write_text(triggers_text(out))
-    for model in out.glob("v/V*___024root__*[0-9].cpp"):
-        if "void" in model.read_text().partition("___eval_triggers_vec__act(")[0][-60:]:
-            name = model.name.partition("___024root")[0]
-            (out / f"{name}.edges").write_text(edges_text(model))
-
-
 def main() -> int:
     what, folder, *rest = sys.argv[1:]
     out = Path(folder)
-    if what == "triggers":
-        write_triggers(out)
-        return 0
     clk_hz, *number = rest
     cards = int(number[0]) if number else len(RULES["selected"])  # one of each type
     if what == "checkers":

@@ -49,15 +49,12 @@ struct Saved {
 
 class Model : protected Ports {
  public:
-  // skip: idle parts get no clock, if the build can. two_evals: Verilator's own eval() at both
-  // edges of the clock. card: the library of cards of one's own (own_card.h), or "".
-  static std::unique_ptr<Model> create(bool two_evals, bool skip, uint64_t seed,
-                                       const std::string &card);
+  // skip: idle parts get no clock, if the build can. card: the library of cards of one's own
+  // (own_card.h), or "".
+  static std::unique_ptr<Model> create(bool skip, uint64_t seed, const std::string &card);
 
   static int cards();
   static int clk_hz();
-  static bool skip();  // this build can
-  static bool traced();
 
   // Advances up to n clocks. Stops after the clock in which a line changed, or, if dtack is 0 or
   // 1, in which DTACK* has that level. *ran: clocks that passed.
@@ -139,7 +136,6 @@ class Model : protected Ports {
     own_card_->upset(reg, bits);
     follow_card();
   }
-  uint16_t encoder_register(int axis);
   uint64_t digest();  // of all registers
 
   // Everything that changes in the RTL, as bytes that every build of the machine understands.
@@ -171,6 +167,26 @@ class Model : protected Ports {
   BusReply clock_by_clock(const BusRequest &q) {
     const auto advance = [this](int64_t n, int dtack) { run(n, dtack, &n); };
     return clock_by_clock(q, advance, [](const BusReply &) {});
+  }
+  // run() where clocks(most) lets so many clocks pass, or fewer, and returns how many.
+  template <class F>
+  Stop run_by(int64_t n, int dtack, int64_t *ran, F clocks) {
+    const int64_t begin = clock_;
+    Stop stop = Stop::kDone;
+    const auto answered = [&] { return dtack >= 0 && this->dtack() == (dtack == 0); };
+    while (stop == Stop::kDone && clock_ < begin + n) {
+      const bool changed = lines_ != shown_lines_;
+      lines_ = shown_lines_;
+      const int64_t passed = clocks(changed || answered() ? 1 : begin + n - clock_);
+      clock_ += passed;
+      evals_ += static_cast<uint64_t>(passed);
+      stop = !failure_.empty() ? Stop::kFailed
+             : changed         ? Stop::kLines
+             : answered()      ? Stop::kDtack
+                               : Stop::kDone;
+    }
+    *ran = clock_ - begin;
+    return stop;
   }
 
   std::unique_ptr<OwnCard> own_card_;

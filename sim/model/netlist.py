@@ -61,15 +61,6 @@ def writes(node: dict) -> set[str]:
 
 
 @dataclass
-class Assign:
-    """One assignment: what it writes, what it reads, conditions around it included."""
-
-    target: set[str]
-    sources: set[str]
-    clocked: bool
-
-
-@dataclass
 class Var:
     name: str
     width: int
@@ -86,13 +77,10 @@ class Module:
     key: str
     vars: dict[str, Var] = field(default_factory=dict)
     cells: list[tuple[str, str, dict]] = field(default_factory=list)  # name, module, port: expr
-    assigns: list[Assign] = field(default_factory=list)
     blocks: list[dict] = field(default_factory=list)  # the always statements themselves
-
-    @property
-    def registers(self) -> list[str]:
-        found = set().union(*(a.target for a in self.assigns if a.clocked))
-        return sorted(found)
+    registers: set[str] = field(default_factory=set)  # what a clock or a strobe writes
+    reads: set[str] = field(default_factory=set)  # by statements, those of functions included
+    writes: set[str] = field(default_factory=set)
 
     @property
     def ports(self) -> list[Var]:
@@ -129,7 +117,6 @@ class Netlist:
 
     def _module(self, node: dict) -> Module:
         module = Module(node["origName"], node["addr"])
-        functions = {n["name"]: n for n in walk(node) if n.get("type") == "FUNC"}
         for name, var in _module_vars(node):
             value = (var.get("valuep") or [{}])[0].get("name")
             if name != var["name"]:
@@ -137,10 +124,13 @@ class Netlist:
             module.vars.setdefault(name, Var(
                 name, self.width(var["dtypep"]), var["direction"],
                 bool(var.get("isGParam")), value, self.low(var["dtypep"])))  # fmt: skip
-        self._statements(node.get("stmtsp", []), "", module, functions)
+        self._statements(node.get("stmtsp", []), "", module)
+        functions = [n for n in walk(node) if n.get("type") == "FUNC"]
+        module.reads.update(*map(reads, [*module.blocks, *functions]))
+        module.writes.update(*map(writes, module.blocks))
         return module
 
-    def _statements(self, statements: list, scope: str, module: Module, functions: dict) -> None:
+    def _statements(self, statements: list, scope: str, module: Module) -> None:
         for node in statements:
             kind = node["type"]
             if kind == "CELL":
@@ -150,33 +140,12 @@ class Netlist:
                 inner = _inner(scope, node["name"])
                 for value in node.values():
                     if isinstance(value, list):
-                        self._statements(value, inner, module, functions)
+                        self._statements(value, inner, module)
             elif kind in ("ALWAYS", "INITIAL"):
-                edges = [c for c in children(node) if c.get("type") == "SENTREE"]
                 module.blocks.append(node)
-                # Strobes that clock a register concern it as what it takes does; a clock does not.
-                strobes = {n for edge in edges for n in reads(edge) if "clk" not in n}
-                _assigns(node, strobes, bool(edges), module.assigns, functions)
-
-
-def _assigns(node: dict, given: set[str], clocked: bool, out: list[Assign], functions: dict):
-    """Collects assignments; given: what the conditions around them read."""
-    kind = node.get("type")
-    if kind in ("ASSIGN", "ASSIGNW", "ASSIGNDLY"):
-        left, right = node["lhsp"][0], node["rhsp"][0]
-        sources = reads(left) | reads(right) | given
-        for call in (n["name"] for n in walk(right) if n.get("type") == "FUNCREF"):
-            if call in functions:
-                sources |= reads(functions[call])
-        out.append(Assign(writes(left), sources, clocked and kind == "ASSIGNDLY"))
-        return
-    if kind in ("IF", "CASE", "LOOP"):
-        conditions = node.get("condp", []) + node.get("exprp", [])
-        conditions += [c for i in node.get("itemsp", []) for c in i.get("condsp", [])]
-        conditions += [n for n in children(node) if n.get("type") == "LOOPTEST"]
-        given = given.union(*(reads(c) for c in conditions))
-    for child in children(node):
-        _assigns(child, given, clocked, out, functions)
+                if any(c.get("type") == "SENTREE" for c in children(node)):
+                    late = (n["lhsp"][0] for n in walk(node) if n.get("type") == "ASSIGNDLY")
+                    module.registers.update(*map(writes, late))
 
 
 def dissolve(netlist: Netlist, outer: Module, name: str) -> None:
@@ -199,6 +168,7 @@ def dissolve(netlist: Netlist, outer: Module, name: str) -> None:
             outer.vars.setdefault(var.name, var)
     outer.cells[at : at + 1] = inner.cells
     outer.blocks += inner.blocks
+    outer.registers |= inner.registers
 
 
 @dataclass

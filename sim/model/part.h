@@ -57,8 +57,6 @@ class Part {
   bool inputs_changed(int64_t t);
   // Makes the transition of clock edge t, with the inputs as they are.
   void clock(int64_t t);
-  // Both edges of the clock by Verilator's own eval().
-  void slow_clock(int64_t t);
   // Makes the clocks up to edge t that were postponed; they change no observed output.
   void catch_up(int64_t t) {
     if (now_.last >= t) return;

@@ -24,13 +24,6 @@ bool Part::inputs_changed_uncached(int64_t t) {
   return true;
 }
 
-void Part::slow_clock(int64_t t) {
-  model.slow_clock();
-  store();
-  now_.last = t;
-  plan();
-}
-
 void Part::load() {
   if (!model_current_ && now_.state)
     model.write(now_.state->registers(), fields_, now_.state->inputs);

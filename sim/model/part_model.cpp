@@ -227,14 +227,6 @@ void PartModel::registers_written() {
   apply_held_bits();
 }
 
-void PartModel::slow_clock() {
-  for (uint64_t level = 0; level < 2; ++level) {
-    if (const Net clk = board->port("clk_i")) clk.put(level);
-    board->eval();
-  }
-  apply_held_bits();
-}
-
 void PartModel::hold(const HeldBits &bits) {
   const auto same = [&bits](const HeldBits &h) { return h.place == bits.place; };
   held_.erase(std::remove_if(held_.begin(), held_.end(), same), held_.end());

@@ -71,8 +71,6 @@ class PartModel {
   void put_inputs(const uint32_t *fields, uint64_t inputs);
   // Registers were written at their nets.
   void registers_written();
-  // Both edges of the clock by Verilator's own eval().
-  void slow_clock();
   // The control inputs that it has.
   uint64_t inputs() const { return inputs_; }
   // Data decide what it does now.

@@ -73,9 +73,8 @@ class Board:
 
     def _visit(self, i: Instance) -> None:
         own = self.part(i.path)
-        for assign in i.module.assigns:
-            self.read += [((i.path, n), own) for n in assign.sources]
-            self.driven += [((i.path, n), own) for n in assign.target]
+        self.read += [((i.path, n), own) for n in i.module.reads]
+        self.driven += [((i.path, n), own) for n in i.module.writes]
         for name, _, pins in i.module.cells:
             below = f"{i.path}.{name}".lstrip(".")
             for port, expr in pins.items():

@@ -91,6 +91,7 @@ Plain::Plain(uint64_t seed, const std::string &card) : context_(create_context(s
   for (const char *name : OwnCard::kInputs) card_inputs_.push_back(board_->port(name));
   for (const char *name : OwnCard::kOutputs) card_outputs_.push_back(board_->port(name));
   open_card(card);
+  power_on();
 }
 
 Plain::~Plain() {
@@ -214,33 +215,15 @@ void Plain::look_at_lines() {
 
 Stop Plain::run(int64_t n, int dtack, int64_t *ran) {
   use(context_);
-  const int64_t begin = clock_;
-  Stop stop = Stop::kDone;
-  while (clock_ < begin + n) {
-    const bool changed = lines_ != shown_lines_;
-    lines_ = shown_lines_;
+  return run_by(n, dtack, ran, [this](int64_t) {
     clock_once();
-    ++clock_;
-    ++evals_;
-    if (failed()) {
-      stop = Stop::kFailed;
-      break;
-    }
-    if (changed) {
-      stop = Stop::kLines;
-      break;
-    }
-    if (dtack >= 0 && this->dtack() == (dtack == 0)) {
-      stop = Stop::kDtack;
-      break;
-    }
-  }
-  *ran = clock_ - begin;
-  return stop;
+    look_for_errors();
+    return 1;
+  });
 }
 
-bool Plain::failed() {
-  if (!context_->gotError()) return false;
+void Plain::look_for_errors() {
+  if (!context_->gotError()) return;
   const std::string text = sentence(printed);
   if (!upset_ && failure_.empty()) failure_ = text;
   if (upset_ && !doubted_) {
@@ -250,7 +233,6 @@ bool Plain::failed() {
   printed.clear();
   context_->gotError(false);
   context_->gotFinish(false);
-  return !failure_.empty();
 }
 
 int16_t Plain::drive(int axis) const {

@@ -22,7 +22,6 @@ class Plain : public Model {
   Plain(uint64_t seed, const std::string &card);
   ~Plain() override;
 
-  void power_on();
   Stop run(int64_t n, int dtack, int64_t *ran) override;
   bool dtack() const override { return dtack_ && dtack_.get() == 0; }
   bool alive() const override { return alive_.get() != 0; }
@@ -36,7 +35,8 @@ class Plain : public Model {
   std::string take_doubt() override { return std::exchange(doubt_, ""); }
 
  protected:
-  virtual void clock_once();
+  void power_on();
+  void clock_once();
   void half(bool rise, double at);
   void look_at_lines();
   void hold_checkers(bool held);
@@ -46,7 +46,7 @@ class Plain : public Model {
   void exchange(bool card_changed);
   void apply_held_bits();
   void written();
-  bool failed();
+  void look_for_errors();
   // A variable below the top, or a port of it.
   Net find(const std::string &path, const std::string &name) const;
   // Ports: what pins.h does to a machine.

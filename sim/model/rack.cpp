@@ -29,11 +29,8 @@ Reserve &reserve() {
 
 }  // namespace
 
-Rack::Rack(bool slow, bool skip, uint64_t seed, const std::string &card)
-    : context_(create_context(seed)),
-      slow_(slow),
-      skip_(skip && !slow),
-      nets_(*this, &data_[kFirstNet]) {
+Rack::Rack(bool skip, uint64_t seed, const std::string &card)
+    : context_(create_context(seed)), skip_(skip), nets_(*this, &data_[kFirstNet]) {
   open_card(card);
   if (!own_card_) {  // which observes outputs that nothing else does; a cache knows which are
     const std::lock_guard<std::mutex> lock(reserve().mutex);
@@ -46,6 +43,7 @@ Rack::Rack(bool slow, bool skip, uint64_t seed, const std::string &card)
   if (const char *hits = std::getenv("MMCS_CHECK"))
     check(static_cast<int>(std::strtol(hits, nullptr, 10)));
   wire();
+  power_on();
 }
 
 Rack::~Rack() {
@@ -220,11 +218,7 @@ void Rack::step(int64_t t) {
   uint64_t sending = 0;
   for (uint64_t rest = due; rest; rest &= rest - 1) {
     Part &part = *parts_[static_cast<size_t>(__builtin_ctzll(rest))];
-    if (slow_) {
-      part.slow_clock(t);
-    } else {
-      part.clock(t);
-    }
+    part.clock(t);
     plan(part);
     if (part.has_pending_outputs()) sending |= rest & -rest;
   }

@@ -47,11 +47,10 @@ struct Wire {
 
 class Rack : public Model, private Listener {
  public:
-  Rack(bool slow, bool skip, uint64_t seed, const std::string &card);
+  Rack(bool skip, uint64_t seed, const std::string &card);
   // The models take their names out of the context of the thread, which may be another machine's.
   ~Rack() override;
 
-  void power_on();
   // Every so many hits of a part are compared with the model; a difference is an error.
   void check(int hits) {
     for (const auto &part : parts_) part->check = hits;
@@ -111,6 +110,7 @@ class Rack : public Model, private Listener {
   void drive_net(Wire &wire);
   void update_input(Wire &wire);
   void send_outputs(Part &part);
+  void power_on();
   void update_lines();
   void update_pc_bus();
   void eval_glue();
@@ -147,7 +147,7 @@ class Rack : public Model, private Listener {
   Net find_watched(const std::string &name);
   void compare_watched();
 
-  const bool slow_, skip_;
+  const bool skip_;
 
   // The data fields of each part; nets; what Cycles has of its own.
   static constexpr size_t kFirstNet = Schedule::kMostParts * kMostFields;

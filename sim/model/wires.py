@@ -24,7 +24,7 @@ class Wires:
         self.nets = {v.name: n for n, v in enumerate(
             v for v in self.top.vars.values() if not v.is_param and v.width)}  # fmt: skip
         self.boards = [(path, netlist.modules[key], pins) for path, key, pins in self.top.cells]
-        if any(a.clocked for a in self.top.assigns):
+        if self.top.registers:
             raise NetlistError("wires: mmcs.sv holds registers")
         logic = (self._logic(block) for block in self.top.blocks)
         self.logic = [(sources, targets) for sources, targets in logic

@@ -7,7 +7,6 @@
 
 #include "arm.h"
 #include "axis.h"
-#include "checks.h"
 #include "contact.h"
 #include "maths.h"
 
@@ -257,7 +256,6 @@ class ArmPlant final : public AxesPlant {
 
 std::unique_ptr<Plant> Plant::create(const mmcs_config &config, const mmcs_motor *motors,
                                      const mmcs_link *links, int clks_per_step, int min_gap) {
-  check_parameters(config, motors, links, clks_per_step, min_gap);
   if (config.links == 0) {
     return std::make_unique<AxesPlant>(config, motors, clks_per_step, min_gap);
   }

@@ -333,7 +333,7 @@ class Request {
     if (count >= kMostSnapshots)
       throw Refusal(kBusy,
                     std::to_string(kMostSnapshots) + " snapshots are kept already; drop one");
-    const int64_t id = mmcs_sim_snapshot(sim_);
+    const int64_t id = mmcs_sim_snapshot(sim_, -1);
     if (id < 0) throw Refusal(kIo, "no snapshot: an assertion of the machine has failed");
     return fields("snapshot", Made{object(fields("id", id, "t", mmcs_sim_time(sim_)))});
   }

@@ -10,12 +10,13 @@
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "set-ups are read as they are stored");
 
-enum { ALIGNED = 8, AXES = 32 };
-static const size_t kSize[] = {
-#define RECORD(kind, type) sizeof(type),
+enum { ALIGNED = 8 };
+enum {
+#define RECORD(kind, type) KIND_##kind,
 #include "records.def"
+  KINDS
 };
-_Static_assert(sizeof kSize / sizeof *kSize == MMCS_SETUP_KINDS, "mmcs_service.h counts the kinds");
+_Static_assert((int)KINDS == MMCS_SETUP_KINDS, "mmcs_service.h counts the kinds");
 
 static bool refuse(char *err, size_t err_len, const char *format, ...) {
   va_list values;
@@ -44,55 +45,7 @@ static const char *wrong_bytes(const mmcs_setup *head, size_t size) {
   const size_t before = (size_t)(checked - (const uint8_t *)head);
   if (size != head->bytes || checksum(checked, size - before) != head->sum)
     return "the set-up is damaged";
-  uint64_t bytes = sizeof *head;
-  for (int kind = 0; kind < MMCS_SETUP_KINDS; kind++)
-    bytes += ((uint64_t)head->count[kind] * kSize[kind] + ALIGNED - 1) / ALIGNED * ALIGNED;
-  return bytes == size ? NULL : "the set-up is damaged";
-}
-
-static bool wrong_build(const mmcs_setup *head, const mmcs_config *config, char *err, size_t len) {
-  const char *own = mmcs_sim_build_id(), *theirs = head->build;
-  const int cards = mmcs_sim_build_cards(), clk_hz = mmcs_sim_build_clk_hz();
-  const char *digest = strchr(own, ' '), *of = strchr(theirs, ' ');
-  if (!digest || !of || strcmp(digest, of) != 0)
-    return !refuse(err, len,
-                   "%s was compiled for another build of the simulator: `mmcs compile` it "
-                   "again",
-                   head->name);
-  if (config->cards != cards || head->clk_hz != clk_hz)
-    return !refuse(err, len,
-                   "%s needs %d cards at %d Hz, and this machine has %d at %d: `mmcs "
-                   "compile` a scenario for it",
-                   head->name, config->cards, head->clk_hz, cards, clk_hz);
-  if (strcmp(own, theirs) != 0)
-    return !refuse(err, len,
-                   "%s needs other heartbeats (heartbeat_us) than this machine has: `mmcs "
-                   "compile` a scenario for it",
-                   head->name);
-  return false;
-}
-
-static bool within(int64_t at, int64_t count, size_t all) {
-  return at >= 0 && count >= 0 && at + count <= (int64_t)all;
-}
-
-// Whether records name others that there are.
-static bool consistent(const struct setup *s) {
-  const mmcs_config *config = s->config;
-  if (config->axes < 0 || config->axes > AXES || s->motors != (size_t)config->axes) return false;
-  if (s->links != (size_t)config->links || (s->links && s->links != s->motors)) return false;
-  const int axes = s->drivers ? s->driver->axes : 0;
-  if (s->drivers > 1 || axes < 0 || axes > AXES || s->params != (size_t)axes) return false;
-  for (size_t n = 0; n < s->segments; n++)
-    if (!within(s->segment[n].table_at, s->segment[n].table_len, s->numbers)) return false;
-  for (size_t n = 0; n < s->calls; n++)
-    if (!within(s->call[n].set_at, s->call[n].sets, s->sets)) return false;
-  for (size_t n = 0; n < s->processs; n++) {
-    const mmcs_process *process = &s->process[n];
-    if (!within(process->goals_at, axes, s->numbers)) return false;
-    if (!within(process->late_at, process->turns, s->numbers)) return false;
-  }
-  return s->head->duration >= 0;
+  return NULL;
 }
 
 static bool override(struct setup *s, const mmcs_overrides *over, char *err, size_t err_len) {
@@ -135,12 +88,14 @@ bool setup_open(struct setup *s, const void *data, size_t size, const mmcs_overr
   s->kind##s = *count++;   \
   at += (s->kind##s * sizeof(type) + ALIGNED - 1) / ALIGNED * ALIGNED;
 #include "records.def"
-    if (s->configs != 1 || !consistent(s)) wrong = "the set-up is damaged";
   }
   bool good = false;
   if (wrong)
     refuse(err, err_len, "%s: make it by `mmcs compile`", wrong);
-  else if (!wrong_build(s->head, s->config, err, err_len))
+  else if (strcmp(s->head->build, mmcs_sim_build_id()) != 0)
+    refuse(err, err_len, "%s is for the simulator %s, and this is %s: `mmcs compile` it again",
+           s->head->name, s->head->build, mmcs_sim_build_id());
+  else
     good = !overrides || override(s, overrides, err, err_len);
   if (!good) setup_close(s);
   return good;

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mmcs import ROOT, Setup, load, run_scenario, simulate, write_setup
+from mmcs.place import digest
 from tools import dpi
 from tools.compiled import ran, written
 
@@ -108,8 +109,8 @@ REFUSED = [
     (["fault_irq_lost"], f"irq_lost at 0.103938 s: event refused: {INSIDE}"),
     (["lab500", "cards=3", EVENT % "seu.u_adaptor.u_core.vector_q"],
      "an upset of a register at 0.013572 s: event refused: no such input"),
-    (["lab500"], "setup needs 1 cards at 8000000 Hz, and this machine has 3 at 8000000: "
-     "`mmcs compile` a scenario for it"),
+    (["lab500"], f"setup is for the simulator c1 {digest()}, and this is c3 {digest()}: "
+     "`mmcs compile` it again"),
     (["lab500", "cards=3", "motion=[]", "expect=[]", 'program=[{run = "true"}]'],
      "the set-up's [[program]] needs `mmcs run`"),
 ]  # fmt: skip

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random arms: what the physics refuses and why, that `mmcs check` refuses the same, and that those
-it accepts stay within what their energy allows."""
+"""Random arms: what `mmcs check` refuses and why, and that those it accepts stay within what their
+energy allows."""
 
 import math
 import random
@@ -10,8 +10,8 @@ import machines
 import numpy as np
 import pytest
 
-from mmcs import RunError, ensure_library, load_robot, robot_cautions
 from mmcs import arm as checks
+from mmcs import ensure_library, load_robot, robot_cautions
 
 ARMS = 60
 CONFIG = {"cards": 1, "axes": 2, "links": 2, "seed": 1, "bus_timeout_us": 16.0, "skip": 1,
@@ -57,18 +57,6 @@ def told(motors, links):
     return found[0] if found else "good"
 
 
-def made(library, motors, links):
-    """The machine, or why there is none."""
-    given = [{k: v for k, v in m.items() if k != "rotor_inertia"} | {"inertia": m["rotor_inertia"]}
-             for m in motors]  # fmt: skip
-    try:
-        return machines.made(library, CONFIG, given, links), "good"
-    except RunError as error:
-        words = {"body": "no body", "winding": "winding", "damping": "less damped",
-                 "stiffness": "rigid"}  # fmt: skip
-        return None, next(k for k, word in words.items() if word in str(error))
-
-
 def energy_speed(motors, links):
     """Faster than this no joint can be that only falls: all links from the highest place to the
     lowest, and all that energy in the lightest thing that turns; of two joints that turn it."""
@@ -85,79 +73,47 @@ def energy_speed(motors, links):
 
 def test_random_arms():
     chance, library = random.Random(1989), ensure_library(1, "speed")
-    seen, differ, fastest = {}, 0, 0.0
+    seen, fastest = {}, 0.0
     for _ in range(ARMS):
         motors, links = random_arm(chance)
-        python, (sim, engine) = told(motors, links), made(library, motors, links)
-        seen[engine] = seen.get(engine, 0) + 1
-        # the engine's bound is up to a quarter on the safe side, and its poses are others
-        differ += python != engine
-        assert python == engine or {python, engine} <= {"good", "stiffness", "damping"}
-        if sim is None:
+        found = told(motors, links)
+        seen[found] = seen.get(found, 0) + 1
+        if found != "good":
             continue
-        with sim:
+        given = [{k: v for k, v in m.items() if k != "rotor_inertia"}
+                 | {"inertia": m["rotor_inertia"]} for m in motors]  # fmt: skip
+        with machines.made(library, CONFIG, given, links) as sim:
             assert sim.run(0.1)
             for axis in range(2):
                 truth = sim.true(axis)
                 fastest = max(fastest, abs(truth["velocity"]) / energy_speed(motors, links))
                 assert math.isfinite(truth["angle"])
                 assert abs(truth["velocity"]) < energy_speed(motors, links), (motors, links)
-    print(
-        f"{ARMS} random arms: {seen}, told otherwise by check: {differ}, {fastest:.2f} of the bound"
-    )
-    assert differ <= ARMS // 20
+    print(f"{ARMS} random arms: {seen}, {fastest:.2f} of the bound")
     assert set(seen) >= {"good", "stiffness", "winding", "body"} and seen["good"] >= 10
 
 
-def flexible(**changes):
-    motor = {
-        "inertia": 1e-4, "km": 0.1, "resistance": 1.0, "amp_gain": 1.0, "gear": 60.0,
-        "counts_per_rev": 1000, "stiffness": 1e4, "damping": 0.1,
-    }  # fmt: skip
-    return motor | changes
-
-
+FLEXIBLE = {"rotor_inertia": 1e-4, "km": 0.1, "resistance": 1.0, "viscous": 0.0, "gear": 60.0,
+            "stiffness": 1e4, "damping": 0.1, "angle0": 0.0, "stop_lo": 0.0,
+            "stop_hi": 0.0}  # fmt: skip
 LINK = {"alpha": 0.0, "a": 0.3, "d": 0.0, "theta0": 0.0, "mass": 2.0, "com": [-0.15, 0, 0],
         "inertia": [0.01, 0.02, 0.02, 0, 0, 0]}  # fmt: skip
 
 
 @pytest.mark.parametrize(("motor", "link", "why"), [
-    ({}, {}, None),
-    ({"stiffness": 1e7}, {}, "axis 1: with its load the flexible joint is faster"),
-    ({}, {"mass": 1e-3, "inertia": [1e-5] * 3 + [0.0] * 3}, "axis 1: with its load"),
-    ({"damping": 2e3}, {}, "axis 1: with its load"),
-    ({}, {"mass": 0.0, "inertia": [0.0] * 6}, "a flexible joint moves nothing"),
-    ({}, {"inertia": [0.01, 0.02, 0.02, 0.1, 0, 0]}, "link 1: inertia is that of no body"),
-    ({}, {"inertia": [0.01] * 3 + [0.02] * 3}, "link 1: inertia is that of no body"),  # two below 0
-    ({}, {"inertia": [0.01] * 3 + [-0.008] * 3}, "link 1: inertia is that of no body"),  # one
-    ({"v_supply": 40.0, "resistance": 1e-4}, {}, "axis 1: the winding brakes faster"),
+    ({}, {}, "good"),
+    ({"stiffness": 1e7}, {}, "stiffness"),
+    ({}, {"mass": 1e-3, "inertia": [1e-5] * 3 + [0.0] * 3}, "stiffness"),
+    ({"damping": 2e3}, {}, "damping"),
+    ({}, {"mass": 0.0, "inertia": [0.0] * 6}, "stiffness"),
+    ({}, {"inertia": [0.01, 0.02, 0.02, 0.1, 0, 0]}, "body"),
+    ({}, {"inertia": [0.01] * 3 + [0.02] * 3}, "body"),  # two below 0
+    ({}, {"inertia": [0.01] * 3 + [-0.008] * 3}, "body"),  # one
+    ({"resistance": 1e-4}, {}, "winding"),
 ])  # fmt: skip
 def test_what_explodes_is_refused(motor, link, why):
-    library = ensure_library(1, "speed")
-    arguments = CONFIG, [flexible(stiffness=0.0, damping=0.0), flexible(**motor)], [
-        LINK, LINK | link]  # fmt: skip
-    if why is None:
-        machines.made(library, *arguments).destroy()
-        return
-    with pytest.raises(RunError, match=why):
-        machines.made(library, *arguments)
-
-
-IMPOSSIBLE = [
-    ({"inertia": 0}, "inertia"), ({"km": -1}, "km"), ({"resistance": 0}, "resistance"),
-    ({"gear": 0}, "gear"), ({"viscous": -1}, "viscous"), ({"coulomb_pos": 1}, "stiction"),
-    ({"counts_per_rev": 10}, "counts_per_rev"), ({"index_per_rev": 2}, "index_per_rev"),
-    ({"backlash": 0.1}, "backlash"), ({"stiffness": 1}, "load_inertia"),
-    ({"stiffness": 1e9, "load_inertia": 1}, "coupling"),
-    ({"stop_lo": 1, "stop_hi": 2}, "angle0"), ({"amp_tau": math.nan}, "amp_tau"),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize(("change", "name"), IMPOSSIBLE)
-def test_impossible_parameters_are_refused_by_name(change, name):
-    motor, alone = flexible(stiffness=0.0, damping=0.0) | change, CONFIG | {"axes": 1, "links": 0}
-    with pytest.raises(RunError, match=f"axis 0: .*{name}"):
-        machines.made(ensure_library(1, "speed"), alone, [motor])
+    rigid = FLEXIBLE | {"stiffness": 0.0, "damping": 0.0}
+    assert told([rigid, FLEXIBLE | motor], [LINK, LINK | link]) == why
 
 
 @pytest.mark.parametrize(("inertia", "body"), [
@@ -168,17 +124,13 @@ def test_impossible_parameters_are_refused_by_name(change, name):
     ([0.02, 0.02, 0.005, 0.015, 0, 0], False),  # 0.005, 0.035, 0.005
 ])  # fmt: skip
 def test_inertia_beyond_the_triangle_is_told(inertia, body):
-    """It can be integrated, and published ones are so: a caution, the same in both."""
-    links = [LINK | {"inertia": [0.0, 0.35, 0.0, 0, 0, 0]}, LINK | {"inertia": inertia}]
-    motors = [flexible(stiffness=0.0, damping=0.0)] * 2
-    with machines.made(ensure_library(1, "speed"), CONFIG, motors, links) as sim:
-        told = sim.caution
-    assert told.startswith("link 1: its greatest principal inertia") is not body, told
+    """It can be integrated, and published ones are so: a caution."""
     robot = load_robot("puma560")[1]
     robot.link[1].inertia = inertia
     robot.link[2].inertia = [0.01] * 3 + [0.0] * 3
     cautions = [text for text in robot_cautions(robot) if text.startswith("link")]
-    assert cautions == ([] if body else [told])
+    wrong = ["link 1: its greatest principal inertia is more than the sum of the other two"]
+    assert [text.rpartition(",")[0] for text in cautions] == ([] if body else wrong)
 
 
 def test_angle_and_encoder_are_of_one_instant():

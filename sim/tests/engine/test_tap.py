@@ -112,7 +112,7 @@ def test_a_wait_can_be_given_up_and_nothing_untoward_is_done_in_it():
         seen = []
 
         def look():
-            seen.append((sim.run(sim.time + 0.1), sim.lib.mmcs_sim_snapshot(sim._sim)))
+            seen.append((sim.run(sim.time + 0.1), sim.lib.mmcs_sim_snapshot(sim._sim, -1.0)))
             return len(seen) == 2
 
         sim.set_look(look)
