@@ -2,6 +2,7 @@
 // The Verilated model of a part: its registers and ports by name, and the ways to evaluate it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -18,10 +19,7 @@ namespace mmcs {
 
 // What the models of a machine share. Verilator's own header takes longer to compile than most
 // files here; those that need no more than this are compiled without it.
-struct ContextEnd {
-  void operator()(VerilatedContext *context) const;
-};
-using Context = std::unique_ptr<VerilatedContext, ContextEnd>;
+using Context = std::shared_ptr<VerilatedContext>;
 Context create_context(uint64_t seed);
 void use(const Context &context);  // in this thread, for all models that are made or run
 
@@ -33,31 +31,17 @@ struct Net {
   explicit operator bool() const { return at != nullptr; }
   uint64_t mask() const { return width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1; }
   uint64_t get() const {
-    switch (bytes) {
-      case 1:
-        return *reinterpret_cast<const uint8_t *>(at);
-      case 2:
-        return *reinterpret_cast<const uint16_t *>(at);
-      case 4:
-        return *reinterpret_cast<const uint32_t *>(at);
-      default:
-        return *reinterpret_cast<const uint64_t *>(at);
-    }
+    uint64_t value = 0;
+    if (bytes == 1) return static_cast<uint8_t>(*at);
+    std::memcpy(&value, at, std::min(static_cast<size_t>(bytes), sizeof value));
+    return value;
   }
   void put(uint64_t value) const {
     value &= mask();
-    switch (bytes) {
-      case 1:
-        *reinterpret_cast<uint8_t *>(at) = static_cast<uint8_t>(value);
-        break;
-      case 2:
-        *reinterpret_cast<uint16_t *>(at) = static_cast<uint16_t>(value);
-        break;
-      case 4:
-        *reinterpret_cast<uint32_t *>(at) = static_cast<uint32_t>(value);
-        break;
-      default:
-        *reinterpret_cast<uint64_t *>(at) = value;
+    if (bytes == 1) {
+      *at = static_cast<char>(value);
+    } else {
+      std::memcpy(at, &value, std::min(static_cast<size_t>(bytes), sizeof value));
     }
   }
   // All bytes of it. Bits that it does not have are dropped: the model trusts them to be 0.

@@ -13,12 +13,8 @@ namespace mmcs {
 
 thread_local std::string printed;  // by models of this thread, or where they stopped; plain.cpp's
 
-void ContextEnd::operator()(VerilatedContext *context) const {
-  delete context;
-}
-
 Context create_context(uint64_t seed) {
-  Context context(new VerilatedContext);
+  const Context context(new VerilatedContext);
   context->randReset(2);
   context->randSeed(static_cast<int>(seed % 0x7FFFFFFF) + 1);
   use(context);

@@ -21,7 +21,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(ROOT / "tools")]
 
-from netlist import Module, Netlist, dissolve, instances  # noqa: E402
+from netlist import Instance, Module, Netlist, cpp, dissolve, instances  # noqa: E402
 from parts import CHIPS, RULES, Board  # noqa: E402
 from wires import Wires  # noqa: E402
 
@@ -110,62 +110,47 @@ def _literal(value: str) -> str:
     return value.replace("'sh", "'h")
 
 
-def port_rows(ports: list[tuple], driven: dict, select: dict | None = None) -> list[str]:
-    return [f'  {{"{path}", "{v.name}", {v.lsb}, {v.width}, {int(out)}, {kind}, {int(selected)}, '
-            f'{driven.get((path, v.name), -1)}, {(select or {}).get(v.name, -1)}, {net}}},'
-            for path, v, out, kind, selected, net in ports]  # fmt: skip
+def port_rows(board: Board, part: Instance, rows: list[tuple]) -> list[tuple]:
+    """Rows of PortRow. Data that a chip does not drive are ones: while which port is 0."""
+    at = {(path, v.name): index for index, (path, v, *_) in enumerate(rows)}
+    rule = CHIPS.get(part.module.name, {}) if part.path else {}
+    select = {p: at["", rule["select"]] for p in rule.get("bus", ())}
 
+    def driven(path: str, out: bool, kind: str) -> int:
+        if not path or out or kind == "Kind::kControl":
+            return -1
+        chip = board.modules[f"{part.path}.{path}".strip(".")].name
+        return at.get((path, CHIPS.get(chip, {}).get("driven")), -1)
 
-def table(name: str, registers: list[str], slices: list[str], parts: list[str], nets: dict,
-          decides: list[str]) -> list[str]:  # fmt: skip
-    """A row of kBoards."""
-    out = [f'  {{"{name}",']
-    rows = [f'  {{"{port}", {net}}},' for port, net in nets.items()]
-    for what in (registers, slices, parts, rows, decides):
-        out += ["  {", *what, "  },"]
-    return [*out, "  },"]
-
-
-def part_rows(path: str, module: Module, ports: list[str]) -> list[str]:
-    return [f'  {{"{path}", "{module.name}", {{', *ports, "  }},"]
+    return [(path, v.name, v.lsb, v.width, out, kind, selected, driven(path, out, kind),
+             select.get(v.name, -1), net)
+            for path, v, out, kind, selected, net in rows]  # fmt: skip
 
 
 def boards_text(netlist: Netlist) -> str:
-    out = ["// Made by sim/model/generate.py.", "static const std::vector<BoardTable> kBoards = {"]
+    """The rows of tables.h."""
+    tables = []
     for name, module in boards(netlist).items():
         board = Board(netlist, module)
-        registers, slices = [], []
+        registers: list[tuple] = []
+        slices: list[tuple] = []
         for i, r in sorted(board.registers, key=lambda x: (x[0].path, x[1])):
             scope, _, last = r.rpartition(".")
             path = ".".join(x for x in (i.path, scope) if x)
             margin = RULES["counters"].get(f"{i.module.name}.{r}")
             kind = board.kind(i.path, r) if margin is None else "Kind::kCounter"
-            slices += [f"  {{{len(registers)}, {v.lsb}, {v.width}, {of_bits}}},"
-                       for v, of_bits in board.slices(i, i.module.vars[r])
+            var = i.module.vars[r]
+            slices += [(len(registers), v.lsb, v.width, of_bits)
+                       for v, of_bits in board.slices(i, var)
                        if of_bits != "Kind::kControl"]  # fmt: skip
             least = -1 if margin is None else margin
-            registers.append(f'  {{"{path}", "{last}", {i.module.vars[r].width}, '
-                             f"{board.part(i.path)}, {kind}, {least}}},")  # fmt: skip
+            registers.append((path, last, var.width, board.part(i.path), kind, least))
         ports, own = board.ports()
-        parts: list[str] = []
-        for n, (part, rows) in enumerate(zip(board.parts, ports, strict=True)):
-            # data that a chip does not drive are ones: by which port
-            driven = {}
-            for path, v, is_out, kind, _, _ in rows:
-                chip = board.modules[f"{part.path}.{path}".strip(".")].name
-                data = kind != "Kind::kControl" and not is_out
-                enable = CHIPS.get(chip, {}).get("driven") if path and data else None
-                for index, row in enumerate(rows):
-                    if row[0] == path and row[1].name == enable:
-                        driven[(path, v.name)] = index
-            rule = CHIPS.get(part.module.name, {}) if n else {}
-            names = [row[1].name for row in rows]
-            select = {p: names.index(rule["select"]) for p in rule.get("bus", ())}
-            parts += part_rows(part.path, part.module, port_rows(rows, driven, select))
-        decides = [f'  {{"{path}", "{net.strip("!")}", {part}, {int(net[0] != "!")}}},'
-                   for path, net, part in board.decides]  # fmt: skip
-        out += table(name, registers, slices, parts, own, decides)
-    return "\n".join([*out, "};"]) + "\n"
+        parts = [(part.path, part.module.name, port_rows(board, part, rows))
+                 for part, rows in zip(board.parts, ports, strict=True)]  # fmt: skip
+        decides = [(path, net.strip("!"), part, net[0] != "!") for path, net, part in board.decides]
+        tables.append((name, registers, slices, parts, list(own.items()), decides))
+    return f"static const std::vector<BoardTable> kBoards = {cpp(tables)};\n"
 
 
 def wires(folder: Path, netlist: Netlist, cards: int) -> None:

@@ -183,3 +183,12 @@ def instances(netlist: Netlist, module: Module, path: str = ""):
     for name, key, _ in module.cells:
         below = f"{path}.{name}" if path else name
         yield from instances(netlist, netlist.modules[key], below)
+
+
+def cpp(value) -> str:
+    """A C++ initializer: lists and tuples in braces, texts in quotes but for members of Kind."""
+    if isinstance(value, list | tuple):
+        return "{" + ",\n".join(map(cpp, value)) + "}"
+    if isinstance(value, str):
+        return value if value.startswith("Kind::") else f'"{value}"'
+    return str(int(value))

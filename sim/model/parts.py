@@ -111,8 +111,6 @@ class Board:
         rows: list[list[tuple]] = [[] for _ in self.parts]
         for net, number in numbers.items():
             inside = members.get(net, [])
-            if any(v.name.endswith("clk_i") for _, v in inside):
-                continue
             driver = drivers.get(net, set())
             for n in range(len(self.parts)):
                 out = n in driver
@@ -128,7 +126,7 @@ class Board:
                 if not out and n not in readers.get(net, ()):
                     continue
                 if not out and not driver and net not in board.values():
-                    continue  # a constant
+                    continue  # a constant, or the clock
                 kinds = {self.kind(path, v.name) for path, v in inside if self.part(path) == n}
                 path, var = self._variable(n, inside, out)
                 if path is None:

@@ -35,22 +35,14 @@ std::string sentence(const std::string &said) {
   return said.empty() ? "an assertion of the RTL failed" : said;
 }
 
-uint64_t bits_of(const Net &net, int lsb, int width) {
-  uint64_t value = 0;
-  for (int bit = 0; bit < width; ++bit) {
-    const int at = lsb + bit;
-    value |= static_cast<uint64_t>(static_cast<uint8_t>(net.at[at / 8]) >> at % 8 & 1) << bit;
-  }
-  return value;
+// The bytes of a long variable from a bit on, as a short one; the bit is its lsb % 8.
+Net part_of(const Net &net, int lsb) {
+  const int at = lsb / 8, bytes = std::min(8, net.bytes - at);
+  return {net.at + at, bytes, 8 * bytes, bytes};
 }
 
-void put_bits(const Net &net, int lsb, int width, uint64_t value) {
-  for (int bit = 0; bit < width; ++bit) {
-    const int at = lsb + bit;
-    const char mask = static_cast<char>(1 << at % 8);
-    char &byte = net.at[at / 8];
-    byte = static_cast<char>(value >> bit & 1 ? byte | mask : byte & ~mask);
-  }
+uint64_t bits_of(const Net &net, int lsb, int width) {
+  return part_of(net, lsb).get() >> lsb % 8 & ((uint64_t{1} << width) - 1);
 }
 
 }  // namespace
@@ -72,13 +64,9 @@ Plain::Plain(uint64_t seed, const std::string &card) : context_(create_context(s
     ports_[port] = board_->port(kPortNames[port]);
   }
   for (const Register &r : registers()) {
-    const RegisterRow &row = board_table(kWires.boards[static_cast<size_t>(r.board)].module)
-                                 .registers[static_cast<size_t>(r.row)];
-    std::string path = kWires.boards[static_cast<size_t>(r.board)].path;
-    if (*row.path) path.append(".").append(row.path);
-    Net net = find(path, row.name);
-    net.width = r.width;
-    nets_.push_back(net);
+    const size_t dot = r.name.rfind('.');
+    nets_.push_back(find(r.name.substr(0, dot), r.name.substr(dot + 1)));
+    nets_.back().width = r.width;
   }
   for (const char *path : kCheckers) {
     find(path, "rst_ni__VforceVal").put(0);
@@ -255,7 +243,9 @@ unsigned Plain::vme_sample() {
 void Plain::put(Port port, int lsb, int width, uint64_t value) {
   const Net &net = ports_[port];
   if (!net) return;
-  put_bits(net, lsb, std::min(width, 8 * net.bytes - lsb), value);
+  const Net part = part_of(net, lsb);
+  const uint64_t mask = ((uint64_t{1} << std::min(width, 8 * net.bytes - lsb)) - 1) << lsb % 8;
+  part.put((part.get() & ~mask) | (value << lsb % 8 & mask));
 }
 
 // Wires inside are cut by Verilator's own means (registers.vlt), those that leave outside.

@@ -4,7 +4,7 @@
 That logic is Verilated with empty boards around it (glue.cpp).
 """
 
-from netlist import Module, Netlist, NetlistError, reads, walk, writes
+from netlist import Module, Netlist, NetlistError, cpp, reads, walk, writes
 
 
 def constant(node: dict) -> int:
@@ -64,20 +64,12 @@ class Wires:
 
     def text(self) -> str:
         widths = {v.name: v.width for v in self.top.vars.values()}
-
-        def numbers(names: set[str]) -> str:
-            return ", ".join(str(self.nets[name]) for name in sorted(names))
-
-        out = ["// Made by sim/model/generate.py from rtl/mmcs.sv.", '#include "wires.h"', "",
-               "namespace mmcs {", "const WireTable kWires = {", f"  {self.cards},",
-               "  {  // nets"]  # fmt: skip
-        out += [f'  {{"{name}", {widths[name]}}},' for name in self.nets]
-        out += ["  },", "  {  // boards"]
-        out += [f'  {{"{path}", "{module.name}"}},' for path, module, _ in self.boards]
-        out += ["  },", "  {  // pins"]
-        out += [f'  {{{board}, "{port}", {self.nets[net]}, {lsb}, {var.width}}},'
-                for board, port, net, lsb, var in self.pins]  # fmt: skip
-        out += ["  },", "  {  // logic"]
-        out += [f"  {{{{{numbers(sources)}}}, {{{numbers(targets)}}}}},"
-                for sources, targets in self.logic]  # fmt: skip
-        return "\n".join([*out, "  },", "};", "}  // namespace mmcs", ""])
+        numbers = lambda names: [self.nets[name] for name in sorted(names)]  # noqa: E731
+        rows = (
+            self.cards,
+            [(name, widths[name]) for name in self.nets],
+            [(path, module.name) for path, module, _ in self.boards],
+            [(board, port, self.nets[net], lsb, v.width) for board, port, net, lsb, v in self.pins],
+            [(numbers(sources), numbers(targets)) for sources, targets in self.logic],
+        )
+        return f'#include "wires.h"\n\nconst mmcs::WireTable mmcs::kWires = {cpp(rows)};\n'
