@@ -31,6 +31,8 @@ def test_refusals_are_one_line(setup, sim, tmp_path):
         sim.trace(tmp_path / "x.fst")  # the speed build has no tracing
     with pytest.raises(RunError, match="the engine refuses a motion of axis 7"):
         sim.add_segment(axis=7, kind="step", t0=0.0, to=1.0)
+    with pytest.raises(RunError, match="there is no snapshot 9"):
+        sim.drop(9)
     with pytest.raises(RunError, match="the simulator library does not load"):
         machine(setup, library=tmp_path / "none.so")
 
