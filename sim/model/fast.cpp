@@ -22,6 +22,9 @@
 #define MMCS_SETTLE MMCS_JOIN(MMCS_MODEL, ___024root___eval_settle)
 #define MMCS_OF MMCS_JOIN(of_, MMCS_MODEL)
 
+void MMCS_ICO(MMCS_ROOT *);
+void MMCS_EDGES(MMCS_ROOT *);
+void MMCS_NBA(MMCS_ROOT *);
 void MMCS_SETTLE(MMCS_ROOT *);
 
 namespace mmcs {

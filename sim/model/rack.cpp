@@ -333,7 +333,7 @@ void Rack::power_on() {
     send_outputs(*part);
   }
   if (own_card_) send_card();
-  follow_card();
+  Rack::follow_card();
   power_on_ = true;
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) {
