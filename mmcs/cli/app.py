@@ -246,7 +246,7 @@ def compile_(scenario, out, sets, host, cflags, libs) -> None:
     from mmcs.engine import hosts
     from mmcs.files import short
     from mmcs.folder import check_file
-    from mmcs.runs.machine import library_of, write_setup
+    from mmcs.runs.machine import library_of, linked, write_setup
     from mmcs.scenario.load import load
 
     host, setup = hosts.check(host or "native"), load(scenario, sets)
@@ -257,10 +257,10 @@ def compile_(scenario, out, sets, host, cflags, libs) -> None:
     if not cflags and not libs:
         echo(f"mmcs: {short(path)}")
         return
-    from mmcs.device import execute, libraries
+    from mmcs.device import execute
 
     words = execute.cflags(modern=True) if cflags else []
-    words += libraries.linked(path.absolute(), library_of(setup), cflags, libs)
+    words += linked(path.absolute(), library_of(setup), cflags, libs)
     echo(" ".join(words))
 
 

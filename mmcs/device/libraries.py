@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The libraries of sim/device, compiled when missing, damaged or of other sources."""
+"""The library of sim/device, compiled when missing, damaged or of other sources."""
 
 from pathlib import Path
 
@@ -23,19 +23,3 @@ def preload_library(sanitize: bool = False) -> Path:
     command = ["cc", "-std=gnu11", "-O2", include, *(DEVICE / name for name in SOURCES)]
     command += ["-ldl", "-lpthread", *([*SANITIZE, "-g"] if sanitize else [])]
     return compiled(library, command, inputs)
-
-
-def linked(setup: Path, library: Path, flags: bool, libraries: bool) -> list[str]:
-    """For gcc: flags, and what a program is linked with that holds the machine of a set-up file;
-    library: of its build."""
-    folder, words = ROOT / "sim" / "setup", []
-    if flags:
-        words = [f'-DMMCS_SETUP_FILE="{setup}"', "-include", str(folder / "program.h")]
-    if libraries:
-        include = [f"-I{ROOT / name}" for name in ("sim/abi", "firmware/include")]
-        command = ["cc", "-std=gnu11", "-O2", "-g", *include, folder / "program.c", "-ldl"]
-        made = BUILD / "device" / "libmmcs_program.so"
-        compiled(made, command, [folder / "program.c", *(ROOT / "sim" / "abi").glob("*.h")])
-        for one in (made, library):
-            words += [f"-L{one.parent}", f"-l{one.stem[3:]}", f"-Wl,-rpath,{one.parent}"]
-    return words

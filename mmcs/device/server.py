@@ -12,11 +12,13 @@ import os
 import resource
 import select
 import signal
+import socket
 import time
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
+from mmcs.device import wire
 from mmcs.device.connection import GONE, IN, OUT, Connection
 from mmcs.device.machine import ServedMachine
 from mmcs.device.messages import Messenger
@@ -270,9 +272,14 @@ class Server:
         return True
 
     def becomes_line(self, connection: Connection, request: bytes) -> None:
-        fd = connection.sock.detach()
-        del self.connections[fd]
-        self.lockstep.line(fd, request)
+        """Its thread gets a page for requests and answers, and what tells of them; or it ends."""
+        with contextlib.suppress(OSError):  # no descriptors are left, or the thread is gone
+            page, wake = os.memfd_create("mmcs"), os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+            os.write(page, b"\1".ljust(wire.PAGE_SIZE, b"\0"))  # it has asked for its line
+            socket.send_fds(connection.sock, [b"."], [page, wake, self.lockstep.now.bell])
+            del self.connections[fd := connection.sock.detach()]
+            self.lockstep.line(fd, page, wake, request)
+            os.close(page)
 
     def _hang_up_ended(self) -> None:
         for connection in [c for c in self.connections.values() if c.ended and not c.busy]:

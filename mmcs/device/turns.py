@@ -28,7 +28,7 @@ class Turns:
         callback = self._ffi.callback
         self._calls = [  # C has them as long as this lives
             callback("int(void)", lambda: len(signal())),
-            callback("int(int, int)", self._is_outside),
+            callback("int(int, int)", lambda *end: int(wire.is_outside(*end, self.pids()))),
             callback("void(int, int)", self._say),
         ]
         self.now.send_signals, self.now.is_outside, self.now.tell = self._calls
@@ -50,9 +50,6 @@ class Turns:
 
     def has(self, pid: int) -> bool:
         return pid in self.pids()
-
-    def _is_outside(self, pid: int, fd: int) -> int:
-        return int(wire.is_outside(pid, fd, self.pids()))
 
     def _say(self, pid: int, why: int) -> None:
         who = f"{wire.command(pid) or 'a program'} ({pid})" if pid else "a program"

@@ -30,6 +30,7 @@ def _numbers(name: str) -> list[int]:
 
 REQUEST, REPLY = map(_layout, ("wire_request", "wire_reply"))
 STATUS = _layout("mmcs_status")
+PAGE_SIZE = _declared.sizeof("struct wire_page")
 OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, LINE, *_ = _numbers("wire_op")
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = _numbers("wire_bus")
 _, MAX_DATA, MAGIC = _numbers("wire_number")

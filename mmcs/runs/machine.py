@@ -106,3 +106,21 @@ def build_of(setup) -> str:
     from mmcs.engine.sim import build_id, load_library
 
     return build_id(load_library(library_of(setup)))
+
+
+def linked(setup: Path, library: Path, flags: bool, libraries: bool) -> list[str]:
+    """For gcc: flags, and what a program is linked with that holds the machine of a set-up file;
+    library: of its build."""
+    from mmcs.place import BUILD, ROOT, compiled
+
+    folder, words = ROOT / "sim" / "setup", []
+    if flags:
+        words = [f'-DMMCS_SETUP_FILE="{setup}"', "-include", str(folder / "program.h")]
+    if libraries:
+        include = [f"-I{ROOT / name}" for name in ("sim/abi", "firmware/include")]
+        command = ["cc", "-std=gnu11", "-O2", "-g", *include, folder / "program.c", "-ldl"]
+        made = BUILD / "device" / "libmmcs_program.so"
+        compiled(made, command, [folder / "program.c", *(ROOT / "sim" / "abi").glob("*.h")])
+        for one in (made, library):
+            words += [f"-L{one.parent}", f"-l{one.stem[3:]}", f"-Wl,-rpath,{one.parent}"]
+    return words

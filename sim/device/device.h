@@ -49,17 +49,12 @@ int wire_is_file(int fd, char name[WIRE_NAME]);
  */
 int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
               uint32_t length, void *out, uint32_t *out_length);
-/* Forgets the parent's channels; call in the child of a fork. */
-void wire_after_fork(void);
 pid_t wire_pid(void);
 /* A connection to the server, or a negative errno. */
 int wire_connect(int cloexec);
 /* A request, in one piece: 0, or -1. */
 int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
              const void *data, uint32_t length);
-/* Its reply: 0; -EIO when the server is gone or answers nonsense. Signals are blocked; with
- * `before`, the program's signal mask, for a short time only, and -EINTR when a handler ran. */
-int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room, const sigset_t *before);
 /* How many calls this process has made: each may have taken machine time. And without those that
  * change nothing but setpoints. */
 extern unsigned long wire_calls, wire_others;
@@ -73,10 +68,6 @@ extern unsigned long wire_calls, wire_others;
 
 ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
 ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length);
-/* Of the program's memory, which may not be there: 0, or -EFAULT. */
-int device_copy_in(void *to, const void *from, size_t length);
-int device_copy_out(void *to, const void *from, size_t length);
-int device_can_take(void *to, size_t length);
 /* 1 if the path names a device that may be opened here. */
 int device_is_path(const char *path);
 /* files.c: a stream that reads and writes a descriptor by the calls here. */
@@ -84,8 +75,11 @@ FILE *device_stream(int fd, const char *mode);
 /* The result of a call, or -1 and errno from a negative one. */
 int device_fail(int result);
 
-/* --- vme_map.c: the mapped window of /dev/vme16 --- */
+/* --- vme_map.c: accesses that fault, of the mapped window of /dev/vme16 --- */
 
+/* To or from the program's memory, which may not be there: 0, or -EFAULT. Onto itself, before the
+ * server does what cannot be undone: whether it can be written. */
+int device_copy(void *to, const void *from, size_t length);
 void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
               const char name[WIRE_NAME]);
 /* 1 if the range belonged to a window and was unmapped. */
@@ -109,11 +103,9 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
 /* A call that asks for what is new. A loop of them waits for something: every hundredth since the
  * thread has waited takes 100 us, as a hundred do on a computer. */
 void lock_polls(void);
-/* A request without data in or out; what does not wait. */
+/* A request without data, which does not wait. */
 int lock_tell(uint32_t op, uint64_t a, uint64_t b);
-int lock_ask(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length, void *out,
-             uint32_t *out_length);
-/* The new thread's first act. */
+/* The new thread's first act, with a number; of a program, 0. */
 void lock_begin_thread(unsigned number);
 
 /* MWAIT. Elsewhere it is a request as any, which the server answers late. */

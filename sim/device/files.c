@@ -26,7 +26,7 @@ int fstatat(int folder, const char *path, struct stat *status, int flags) {
   struct stat found = {.st_mode = S_IFCHR | 0600, .st_nlink = 1, .st_blksize = MOST};
   if (!device_is_path(path)) return (int)syscall(SYS_newfstatat, folder, path, status, flags);
   found.st_uid = getuid();
-  return device_fail(device_copy_out(status, &found, sizeof(found)));
+  return device_fail(device_copy(status, &found, sizeof(found)));
 }
 int stat(const char *path, struct stat *status) {
   return fstatat(AT_FDCWD, path, status, 0);
@@ -54,7 +54,7 @@ ssize_t writev(int fd, const struct iovec *vector, int count) {
   if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
   for (int i = 0; i < count; done += vector[i++].iov_len) {
     if (vector[i].iov_len > MOST - done) return device_fail(-EINVAL);
-    if (device_copy_in(data + done, vector[i].iov_base, vector[i].iov_len) < 0)
+    if (device_copy(data + done, vector[i].iov_base, vector[i].iov_len) < 0)
       return device_fail(-EFAULT);
   }
   return device_fail((int)device_write(name, data, done));

@@ -5,7 +5,7 @@
 #include <signal.h>
 #include <string.h>
 #include <sys/epoll.h>
-#include <sys/socket.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include "mcdef.h"
@@ -62,92 +62,61 @@ void turns_closes(struct turns *t, const mmcs_client *client) {
 
 /* --- answers --------------------------------------------------------------------------- */
 
-static void reply(int fd, int result, const void *data, uint32_t length) {
-  struct {
-    struct wire_reply head;
-    char data[sizeof(struct wire_now) + MOST_READ];
-  } out = {.head = {result, length}};
-  const ssize_t size = (ssize_t)(sizeof(out.head) + length);
-  if (length > 0) memcpy(out.data, data, length);
-  /* a program that fetches no answers is disconnected; the end of one is heard by epoll */
-  if (send(fd, &out, (size_t)size, MSG_NOSIGNAL | MSG_DONTWAIT) != size)
-    (void)shutdown(fd, SHUT_RDWR);
-}
-
-static struct wire_now now(const struct turns *t, const struct process *of) {
-  return (struct wire_now){
+static void reply(const struct turns *t, struct line *l, int result, int length) {
+  l->page->result = result;
+  l->page->length = length > 0 ? (uint32_t)length : 0;
+  l->page->now = (struct wire_now){
       .ns = now_of(t),
       .sample = (uint32_t)mmcs_sim_samples(t->sim),
-      .writes = of->writes != NULL && of->wrote == events_of(t),
+      .writes = l->process->writes != NULL && l->process->wrote == events_of(t),
   };
+  __atomic_store_n(&l->page->answered, l->heard, __ATOMIC_RELEASE);
+  (void)eventfd_write(l->wake, 1);
 }
 
 /* The line runs from now on: its wait is answered, or the call that waited is served. */
 void go_on(struct turns *t, struct line *l, enum wire_cause cause) {
-  struct {
-    struct wire_now now;
-    char states[MOST_READ];
-  } told = {.now = now(t, l->process)};
   const struct process *p = l->process;
   int read = 0;
-  if (cause == CAUSE_DUE && l->states > 0 && l->states <= sizeof(told.states) && p->reads != NULL &&
-      p->quiet == events_of(t))
-    read = mmcs_sim_read(t->sim, p->reads->driver, told.states, (size_t)l->states);
-  reply(l->fd, (int)cause, &told, (uint32_t)(sizeof(told.now) + (size_t)(read > 0 ? read : 0)));
+  if (cause == CAUSE_DUE && l->states > 0 && l->states <= sizeof(l->page->states) &&
+      p->reads != NULL && p->quiet == events_of(t))
+    read = mmcs_sim_read(t->sim, p->reads->driver, l->page->states, (size_t)l->states);
+  reply(t, l, (int)cause, read);
 }
 
 /* --- requests -------------------------------------------------------------------------- */
 
 static int wake(struct line *l, uint64_t key, uint64_t count) {
   int woken = 0;
-  for (l = l->process->lines; l != NULL && (uint64_t)woken < count; l = l->next) {
-    if (!wants(l, WAIT_KEY) || l->wait.key != key) continue;
-    ready(l, CAUSE_WOKEN);
-    woken++;
-  }
+  for (l = l->process->lines; l != NULL && (uint64_t)woken < count; l = l->next)
+    if (wants(l, WAIT_KEY) && l->wait.key == key) ready(l, CAUSE_WOKEN), woken++;
   return woken;
-}
-
-static int is_well_formed(const struct wire_request *r, const void *data) {
-  struct wire_wait wait;
-  if (r->op == WIRE_LATER) return 1;
-  if (r->op != WIRE_WAIT) return r->length == 0 && r->op >= WIRE_LINE && r->op <= WIRE_CANCEL;
-  if (r->length < sizeof(wait)) return 0;
-  memcpy(&wait, data, sizeof(wait));
-  return wait.files < MOST_ASKED && wait.written < MOST_ASKED &&
-         r->length == sizeof(wait) + 4 * wait.files + wait.written;
 }
 
 static void serve(struct turns *t, struct line *l, const struct wire_request *r, const char *data) {
   struct process *p = l->process;
   int result = 0;
   struct wire_wait wait;
-  struct wire_now moment;
   t->requests++;
-  if (!is_well_formed(r, data)) {
-    reply(l->fd, -EINVAL, NULL, 0);
-    return;
-  }
   switch (r->op) {
     case WIRE_LINE:
       leave_line(t, l, 1);
       return;
     case WIRE_WAIT:
       memcpy(&wait, data, sizeof(wait));
+      result = -EINVAL;
+      if (wait.files > 64 || wait.written > 128) break;
       l->states = r->a;
+      data += sizeof(wait);
       if (wait.written > 0 && p->writes != NULL)
-        (void)turns_write(t, p->pid, p->writes, data + r->length - wait.written, wait.written);
-      begin_wait(t, l, &wait, (const int32_t *)(const void *)(data + sizeof(wait)));
+        (void)turns_write(t, p->pid, p->writes, data + 4 * wait.files, wait.written);
+      begin_wait(t, l, &wait, (const int32_t *)(const void *)data);
       return;
     case WIRE_CANCEL:
       if (l->state == WAITS) ready(l, CAUSE_SIGNAL);
+      if (l->state == RUNS) go_on(t, l, l->cause); /* as before */
       return;
     case WIRE_NOW:
-      moment = now(t, p);
-      reply(l->fd, 0, &moment, sizeof(moment));
-      return;
-    case WIRE_LATER:
-      if (p->writes != NULL) result = turns_write(t, p->pid, p->writes, data, r->length);
       break;
     case WIRE_WAKE:
       result = wake(l, r->a, r->b);
@@ -159,30 +128,29 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
       if (r->a == 0) p->expected += r->b ? -1 : 1;
       if (r->a != 0) turns_expect(t, (int)r->a);
   }
-  reply(l->fd, result, NULL, 0);
+  reply(t, l, result, 0);
 }
 
-/* One request; anything else ends the line. */
-static void hear(struct turns *t, struct line *l) {
-  struct {
-    struct wire_request head;
-    char data[MOST_ASKED];
-  } r;
-  const ssize_t got = recv(l->fd, &r, sizeof(r), MSG_DONTWAIT);
-  if (got < 0 && errno == EAGAIN) return;
-  if (got < (ssize_t)sizeof(r.head) || r.head.magic != WIRE_MAGIC ||
-      (size_t)got != sizeof(r.head) + r.head.length)
-    leave_line(t, l, 0);
-  else
-    serve(t, l, &r.head, r.data);
-}
-
-int turns_hear(struct turns *t, int fd) {
+/* A request that has come on any line: 1, and it has been served. */
+static int hear(struct turns *t) {
   EACH_LINE(t, p, l) {
-    if (l->fd != fd) continue;
-    hear(t, l);
+    const uint32_t asked = __atomic_load_n(&l->page->asked, __ATOMIC_ACQUIRE);
+    const struct wire_request r = l->page->request;
+    _Alignas(uint64_t) char data[sizeof(l->page->data)];
+    if (asked == l->heard) continue;
+    memcpy(data, l->page->data, sizeof(data));
+    l->heard = asked;
+    serve(t, l, &r, data);
     return 1;
   }
+  return 0;
+}
+
+/* What comes on a line's connection is its end; what its thread has asked before counts. */
+int turns_hear(struct turns *t, int fd) {
+  for (int n = t->lines; n > 0 && hear(t); n--) continue;
+  if (fd == t->bell) return 1;
+  EACH_LINE(t, p, l) if (l->fd == fd) return leave_line(t, l, 0), 1;
   EACH_PROCESS(t, p) {
     if (p->handle != fd) continue;
     (void)epoll_ctl(t->epoll, EPOLL_CTL_DEL, fd, NULL);

@@ -16,11 +16,14 @@
 
 /* Whoever waits for them gets these whenever they come: they are the user's, not the machine's. */
 static const int outside[] = {SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGTSTP};
+#define HIGH 100 /* descriptors that a program makes or closes by number are below, mostly */
 #define OUTSIDE (sizeof(outside) / sizeof(outside[0]))
 
-static int enabled; /* until the server is gone */
-static __thread int line = -1;
+static int enabled;                       /* until the server is gone */
+static __thread int line = -1, wake = -1; /* a connection, and the eventfd of its answers */
+static __thread struct wire_page *page;
 static __thread pid_t line_pid;
+static int bell = -1; /* the eventfd of all requests */
 static uint64_t now_ns;
 static uint32_t now_sample;
 static unsigned long now_calls; /* wire_calls when now_ns was told */
@@ -39,55 +42,57 @@ int lock_on(void) {
 }
 
 static void close_line(void) {
-  if (line >= 0) (void)syscall(SYS_close, line);
+  if (line >= 0) (void)syscall(SYS_close, line), (void)syscall(SYS_close, wake);
+  if (line >= 0) (void)munmap(page, sizeof(*page));
   line = -1;
 }
 
-static int request(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length) {
-  return wire_ask(line, op, NULL, a, b, data, length);
+static int request(uint32_t op, uint64_t a, uint64_t b) {
+  static const uint64_t one = 1;
+  page->request = (struct wire_request){.op = op, .a = a, .b = b};
+  __atomic_store_n(&page->asked, page->asked + 1, __ATOMIC_RELEASE);
+  return syscall(SYS_write, bell, &one, sizeof(one)) < 0 ? -1 : 0;
 }
 
-/* The result, or -EIO when the server is gone: then nothing here is in lock-step any more. */
-static int answer(void *out, uint32_t *room) {
-  struct wire_reply reply;
-  if (wire_take(line, &reply, out, room != NULL ? *room : 0, NULL) < 0) {
-    enabled = 0;
-    close_line();
-    return -EIO;
+/* Its result; -EINTR when a handler of `mask`, that of the program meanwhile, has run; -EIO when
+ * the server is gone: then nothing here is in lock-step any more. */
+static int answer(const sigset_t *mask) {
+  struct pollfd ends[] = {{wake, POLLIN, 0}, {line, POLLIN, 0}};
+  uint64_t times;
+  while (__atomic_load_n(&page->answered, __ATOMIC_ACQUIRE) != page->asked) {
+    if (REAL(ppoll)(ends, 2, NULL, mask) < 0 && errno == EINTR) return -EINTR;
+    if (!(ends[0].revents & POLLIN)) {
+      enabled = 0;
+      close_line();
+      return -EIO;
+    }
+    (void)syscall(SYS_read, wake, &times, sizeof(times));
   }
-  if (room != NULL) *room = reply.length;
-  return reply.result;
+  return page->result;
 }
 
-int lock_ask(uint32_t op, uint64_t a, uint64_t b, const void *data, uint32_t length, void *out,
-             uint32_t *out_length) {
+int lock_tell(uint32_t op, uint64_t a, uint64_t b) {
   sigset_t all, before;
   int result = -EIO, saved = errno;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  if (request(op, a, b, data, length) == 0) result = answer(out, out_length);
+  if (request(op, a, b) == 0) result = answer(NULL);
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   errno = saved;
   return result;
 }
 
-int lock_tell(uint32_t op, uint64_t a, uint64_t b) {
-  return lock_ask(op, a, b, NULL, 0, NULL, NULL);
-}
-
 /* --- time ------------------------------------------------------------------------------ */
 
-static void learn(const struct wire_now *now) {
-  now_ns = now->ns;
-  now_sample = now->sample;
+static void learn(void) {
+  now_ns = page->now.ns;
+  now_sample = page->now.sample;
   now_calls = wire_calls;
   lock_timers(now_ns);
 }
 
 uint64_t lock_now(void) {
-  struct wire_now now;
-  uint32_t room = sizeof(now);
-  if (now_calls != wire_calls && lock_ask(WIRE_NOW, 0, 0, NULL, 0, &now, &room) >= 0) learn(&now);
+  if (now_calls != wire_calls && lock_tell(WIRE_NOW, 0, 0) >= 0) learn();
   return now_ns;
 }
 
@@ -160,14 +165,6 @@ static const sigset_t *only_outside(const sigset_t *mask) {
   for (unsigned n = 0; n < OUTSIDE; n++)
     if (!sigismember(mask, outside[n])) sigdelset(&others, outside[n]);
   return &others;
-}
-
-/* Until the answer is there; meanwhile what comes from outside is let through. 1: that came. */
-static int await_answer(const sigset_t *mask) {
-  struct pollfd wait = {.fd = line, .events = POLLIN};
-  if (REAL(ppoll)(&wait, 1, NULL, only_outside(mask)) >= 0 || errno != EINTR) return 0;
-  (void)request(WIRE_CANCEL, 0, 0, NULL, 0);
-  return 1;
 }
 
 const sigset_t *lock_late(const sigset_t *before) {
@@ -247,7 +244,7 @@ int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t leng
 __attribute__((destructor)) void lock_write_first(void) {
   if (!last.due || !lock_on()) return;
   last.due = 0;
-  (void)lock_ask(WIRE_LATER, 0, 0, last.data, last.length, NULL, NULL);
+  (void)wire_call(WIRE_WRITE, last.name, 0, 0, last.data, last.length, NULL, NULL);
 }
 
 /* A timer that has run out meanwhile sends its signal. */
@@ -255,33 +252,30 @@ void lock_after_call(void) {
   if (lock_on() && lock_timers(now_ns) != WIRE_NEVER) (void)lock_now();
 }
 
+/* What comes from outside meanwhile is let through: `heard`, it came. Its handler may have waited,
+ * which takes the place of this wait. */
 static int wait_once(struct wire_wait *head, const int *files, const sigset_t *mask, int *heard) {
-  char data[sizeof(*head) + 4 * 64 + sizeof(last.data)];
+  static __thread unsigned waits;
+  const unsigned number = ++waits;
   struct known *states = &known[0];
-  struct {
-    struct wire_now now;
-    char states[sizeof(states->data)];
-  } told = {0};
-  uint32_t room = sizeof(told), length;
-  int result, more = head->what == WAIT_SAMPLE && has_read && states->asked <= sizeof(told.states);
+  int result, more = head->what == WAIT_SAMPLE && has_read && states->asked <= sizeof(states->data);
   known[0].length = known[1].length = 0;
   has_read = may_be_later = 0;
   polls = 0;
   head->written = last.due ? last.length : 0;
   last.due = 0;
-  length = (uint32_t)sizeof(*head) + 4 * head->files;
-  memcpy(data, head, sizeof(*head));
-  if (head->files > 0) memcpy(data + sizeof(*head), files, 4 * head->files);
-  memcpy(data + length, last.data, head->written);
-  length += head->written;
-  if (request(WIRE_WAIT, more ? states->asked : 0, 0, data, length) < 0) return -EIO;
-  *heard = await_answer(mask);
-  result = answer(&told, &room);
+  memcpy(page->data, head, sizeof(*head));
+  if (head->files > 0) memcpy(page->data + sizeof(*head), files, 4 * head->files);
+  memcpy(page->data + sizeof(*head) + 4 * head->files, last.data, head->written);
+  if (request(WIRE_WAIT, more ? states->asked : 0, 0) < 0) return -EIO;
+  result = answer(only_outside(mask));
+  *heard = result == -EINTR;
+  if (*heard && waits != number) return CAUSE_SIGNAL;
+  if (*heard && request(WIRE_CANCEL, 0, 0) == 0) result = answer(NULL);
   if (result < 0) return result;
-  learn(&told.now);
-  may_be_later = told.now.writes && last.length <= sizeof(last.data);
-  if (room > sizeof(told.now))
-    lock_learn(states->name, 0, told.states, states->asked, (int)(room - sizeof(told.now)));
+  learn();
+  may_be_later = page->now.writes && last.length <= sizeof(last.data);
+  lock_learn(states->name, 0, page->states, states->asked, (int)page->length);
   return result;
 }
 
@@ -332,25 +326,42 @@ int lock_sample(void *number) {
   int cause = lock_wait(WAIT_SAMPLE | LOCK_RESTARTS, WIRE_NEVER, NULL, NULL, 0, NULL, 0);
   if (cause == CAUSE_SIGNAL) return -EINTR;
   if (cause == CAUSE_LATE) return -EIO;
-  return device_copy_out(number, &now_sample, sizeof(now_sample));
+  return device_copy(number, &now_sample, sizeof(now_sample));
 }
 
 /* --- lines ----------------------------------------------------------------------------- */
 
-static void open_line(enum wire_line kind, unsigned number) {
-  struct wire_now now = {0};
-  uint32_t room = sizeof(now);
+/* What comes with a line: 0, or -1. */
+static int take_page(void) {
+  int ends[3];
+  _Alignas(struct cmsghdr) char control[CMSG_SPACE(sizeof(ends))];
+  char byte;
+  struct iovec one = {&byte, 1};
+  struct msghdr message = {
+      .msg_iov = &one, .msg_iovlen = 1, .msg_control = control, .msg_controllen = sizeof(control)};
+  ssize_t n;
+  do n = syscall(SYS_recvmsg, line, &message, MSG_CMSG_CLOEXEC);
+  while (n < 0 && (errno == EAGAIN || errno == EINTR));
+  if (n != 1 || message.msg_controllen < CMSG_LEN(sizeof(ends))) return -1;
+  memcpy(ends, CMSG_DATA(CMSG_FIRSTHDR(&message)), sizeof(ends));
+  page = mmap(NULL, sizeof(*page), PROT_READ | PROT_WRITE, MAP_SHARED, ends[0], 0);
+  if (bell < 0) bell = fcntl(ends[2], F_DUPFD_CLOEXEC, HIGH);
+  wake = fcntl(ends[1], F_DUPFD_CLOEXEC, HIGH);
+  for (unsigned n = 0; n < 3; n++) (void)syscall(SYS_close, ends[n]);
+  return page == MAP_FAILED || bell < 0 || wake < 0 ? -1 : 0;
+}
+
+void lock_begin_thread(unsigned number) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   line = wire_connect(1);
   line_pid = wire_pid();
-  if (line < 0 ||
-      request(WIRE_LINE, kind | (uint64_t)number << 8, (uint64_t)pthread_self(), NULL, 0) < 0 ||
-      answer(&now, &room) < 0) {
+  if (line < 0 || wire_ask(line, WIRE_LINE, NULL, number, (uint64_t)pthread_self(), NULL, 0) < 0 ||
+      take_page() < 0 || answer(NULL) < 0) {
     enabled = 0;
   } else {
-    learn(&now);
+    learn();
     (void)pthread_setspecific(at_end, &line);
   }
   pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -361,12 +372,8 @@ static void end_thread(void *unused) {
   (void)unused;
   if (!lock_on()) return;
   lock_write_first();
-  (void)request(WIRE_LINE, LINE_THREAD, 0, NULL, 0);
+  (void)request(WIRE_LINE, 0, 0);
   close_line();
-}
-
-void lock_begin_thread(unsigned number) {
-  open_line(LINE_THREAD, number);
 }
 
 static void child_of_fork(void) {
@@ -374,7 +381,7 @@ static void child_of_fork(void) {
   lock_forget_timers();
   known[0].length = known[1].length = 0;
   last.due = 0;
-  if (enabled) open_line(LINE_CHILD, 0);
+  if (enabled) lock_begin_thread(0);
 }
 
 __attribute__((constructor(102))) static void attach(void) {
@@ -382,6 +389,6 @@ __attribute__((constructor(102))) static void attach(void) {
   enabled = 1;
   (void)pthread_key_create(&at_end, end_thread);
   (void)pthread_atfork(NULL, NULL, child_of_fork);
-  open_line(LINE_PROGRAM, 0);
+  lock_begin_thread(0);
   lock_take_pipes();
 }

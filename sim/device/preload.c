@@ -34,22 +34,6 @@ int device_fail(int result) {
   return -1;
 }
 
-/* A user's pointer may be bad: copying through the kernel tells, a memcpy would crash. */
-int device_copy_in(void *to, const void *from, size_t length) {
-  struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
-  return process_vm_readv(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
-}
-
-int device_copy_out(void *to, const void *from, size_t length) {
-  struct iovec local = {(void *)(uintptr_t)from, length}, remote = {to, length};
-  return process_vm_writev(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
-}
-
-/* Before the server does something that cannot be undone. */
-int device_can_take(void *to, size_t length) {
-  return device_copy_out(to, to, length);
-}
-
 /* What Fig. 2.2 includes, for a compiler that runs with this library. */
 static const char *header_or(const char *path) {
   const char *header = getenv("MMCS_HEADER");
@@ -88,12 +72,12 @@ ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length) {
   char data[4096];
   uint32_t room = (uint32_t)(length < sizeof(data) ? length : sizeof(data)), asked = room;
   int result = lock_known(name, 0, data, asked);
-  if (result > 0) return device_copy_out(buffer, data, (size_t)result) < 0 ? -EFAULT : result;
-  if (device_can_take(buffer, asked) < 0) return -EFAULT;
+  if (result > 0) return device_copy(buffer, data, (size_t)result) < 0 ? -EFAULT : result;
+  if (device_copy(buffer, buffer, asked) < 0) return -EFAULT;
   result = wire_call(WIRE_READ, name, asked, 0, NULL, 0, data, &room);
   if (result > 0 && (uint32_t)result != room) return -EIO;
   lock_learn(name, 0, data, asked, result);
-  if (result > 0 && device_copy_out(buffer, data, room) < 0) return -EFAULT;
+  if (result > 0 && device_copy(buffer, data, room) < 0) return -EFAULT;
   return result;
 }
 
@@ -101,7 +85,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
   char data[4096];
   int result;
   if (length > sizeof(data)) return -EINVAL;
-  if (device_copy_in(data, buffer, length) < 0) return -EFAULT;
+  if (device_copy(data, buffer, length) < 0) return -EFAULT;
   if (lock_write_later(name, data, (uint32_t)length)) return (ssize_t)length;
   result = wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL);
   return result > (int)length ? -EIO : result;
@@ -144,16 +128,15 @@ static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argu
   const int only_out = REQUEST_OUT(request) && !REQUEST_IN(request) && request != MWHY;
   int result;
   if (size > sizeof(in)) return -ENOTTY;
-  if (size > 0 && device_copy_in(in, argument, size) < 0) return -EFAULT;
-  if (REQUEST_OUT(request) && device_can_take(argument, size) < 0) return -EFAULT;
   if (request == MWAIT && lock_on()) return lock_sample(argument);
-  if (only_out && lock_known(name, request, out, size) > 0)
-    return device_copy_out(argument, out, size);
+  if (size > 0 && device_copy(in, argument, size) < 0) return -EFAULT;
+  if (REQUEST_OUT(request) && device_copy(argument, argument, size) < 0) return -EFAULT;
+  if (only_out && lock_known(name, request, out, size) > 0) return device_copy(argument, out, size);
   result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
   if (result < 0 || !REQUEST_OUT(request)) return result;
   if (room != size) return -EIO;
   if (only_out && result == 0) lock_learn(name, request, out, size, (int)size);
-  return device_copy_out(argument, out, size) < 0 ? -EFAULT : result;
+  return device_copy(argument, out, size) < 0 ? -EFAULT : result;
 }
 
 int ioctl(int fd, unsigned long request, ...) {
@@ -199,13 +182,8 @@ static void hold_all(void) {
   closedir(folder);
 }
 
-static void child_of_fork(void) {
-  wire_after_fork();
-  hold_all();
-}
-
 __attribute__((constructor)) static void start(void) {
-  pthread_atfork(NULL, NULL, child_of_fork);
+  pthread_atfork(NULL, NULL, hold_all);
   hold_all();
 }
 

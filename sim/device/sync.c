@@ -223,6 +223,15 @@ pid_t wait4(pid_t pid, int *status, int options, struct rusage *usage) {
   }
   return -1;
 }
+int waitid(idtype_t kind, id_t id, siginfo_t *to, int options) {
+  siginfo_t none, *found = to != NULL ? to : &none;
+  for (int how = lock_on() ? WNOHANG : 0; how >= 0; how = await_child()) {
+    found->si_pid = 0;
+    if (REAL(waitid)(kind, id, found, options | how) < 0) return -1;
+    if (found->si_pid != 0 || how == 0 || options & WNOHANG) return 0;
+  }
+  return -1;
+}
 pid_t wait3(int *status, int options, struct rusage *usage) {
   return wait4(-1, status, options, usage);
 }
@@ -238,9 +247,18 @@ pid_t fork(void) {
   if (pid > 0 && lock_on()) (void)lock_tell(WIRE_SPAWN, (uint64_t)pid, 0);
   return pid;
 }
-pid_t vfork(void) {
-  return fork();
-}
+SAME(vfork, fork);
+
+#define SPAWN(name)                                                                              \
+  CALL(int, name,                                                                                \
+       (pid_t * pid, const char *of, const void *act, const void *how, char **argv, char **env), \
+       (pid, of, act, how, argv, env)) {                                                         \
+    int result = REAL(name)(pid, of, act, how, argv, env);                                       \
+    if (result == 0 && pid != NULL) (void)lock_tell(WIRE_SPAWN, (uint64_t)*pid, 0);              \
+    return result;                                                                               \
+  }
+SPAWN(posix_spawn)
+SPAWN(posix_spawnp)
 
 int system(const char *command) {
   int status = -1;

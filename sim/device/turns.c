@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
@@ -48,10 +50,12 @@ static void begin(struct turns *t) {
 
 struct turns *turns_create(mmcs_sim *sim, mmcs_server *server, int epoll) {
   struct turns *t = calloc(1, sizeof(*t));
-  if (t == NULL) abort();
+  struct epoll_event in = {.events = EPOLLIN | EPOLLET, .data.fd = eventfd(0, EFD_CLOEXEC)};
+  if (t == NULL || epoll_ctl(epoll, EPOLL_CTL_ADD, in.data.fd, &in) < 0) abort();
   *t = (struct turns){.limit = INT64_MAX, .silent_s = 5, .outside_s = 1, .good = 1, .sim = sim};
   t->server = server;
   t->epoll = epoll;
+  t->bell = in.data.fd;
   t->hz = mmcs_sim_build_clk_hz();
   t->last_process = t->last_line = -1;
   return t;
@@ -108,6 +112,8 @@ static void drop(struct turns *t, struct process *p, struct line *l) {
   while (*at != l) at = &(*at)->next;
   *at = l->next;
   (void)close(l->fd);
+  (void)close(l->wake);
+  (void)munmap(l->page, sizeof(*l->page));
   t->lines--;
   if (t->running == l) {
     t->running = NULL;
@@ -125,7 +131,7 @@ void leave_line(struct turns *t, struct line *l, int says_so) {
   if (p->lines == NULL && p->state == THERE) p->state = STARTING; /* another program, or its end */
 }
 
-void turns_line(struct turns *t, int fd, const void *request) {
+void turns_line(struct turns *t, int fd, int page, int wake, const void *request) {
   struct wire_request r;
   struct process *p;
   struct line *l = calloc(1, sizeof(*l)), **at;
@@ -133,14 +139,18 @@ void turns_line(struct turns *t, int fd, const void *request) {
   memcpy(&r, request, sizeof(r));
   turns_expect(t, r.pid);
   p = process_of(t, r.pid);
-  if ((r.a & 0xFF) == LINE_THREAD) {
+  if (r.a > 0) {
     p->expected--;
   } else {
     while (p->lines != NULL) drop(t, p, p->lines); /* of the program that it was before */
     p->expected = 0;
   }
   if (p->state == STARTING) p->state = THERE; /* also if main() has ended before a thread began */
-  *l = (struct line){.process = p, .fd = fd, .number = (int64_t)(r.a >> 8), .key = r.b};
+  *l = (struct line){.process = p, .fd = fd, .wake = wake, .number = (int64_t)r.a};
+  l->page = mmap(NULL, sizeof(*l->page), PROT_READ | PROT_WRITE, MAP_SHARED, page, 0);
+  if (l->page == MAP_FAILED) abort();
+  l->heard = 1;
+  l->key = r.b;
   l->wait.until = WIRE_NEVER;
   ready(l, CAUSE_DUE);
   for (at = &p->lines; *at != NULL && (*at)->number <= l->number;) at = &(*at)->next;
@@ -181,6 +191,7 @@ static int forget(struct turns *t, int all) {
 
 void turns_destroy(struct turns *t) {
   (void)forget(t, 1);
+  (void)close(t->bell);
   free(t);
 }
 
@@ -316,18 +327,26 @@ static void pass_time(struct turns *t) {
 }
 
 static void turn(struct turns *t) {
+  const int64_t events = events_of(t);
   struct line *next;
   reap(t);
   if (turns_busy(t) || t->processes == NULL) return;
   next = next_line(t);
-  if (next != NULL)
-    release(t, next);
-  else
-    pass_time(t);
+  if (next == NULL) pass_time(t);
+  if (next == NULL && events_of(t) == events) next = next_line(t);
+  if (next != NULL) release(t, next);
+}
+
+/* Nobody runs, and more has come than what was asked: whoever closes and then asks has closed. */
+static int has_more(const struct turns *t) {
+  struct epoll_event came;
+  return !turns_busy(t) && epoll_wait(t->epoll, &came, 1, 0) > 0;
 }
 
 void turns_run(struct turns *t, int turns, int timeout_ms) {
-  const int64_t events = events_of(t);
+  const int64_t events = events_of(t), requests = t->requests;
+  (void)turns_hear(t, t->bell); /* an edge of it may have been taken beside another event */
+  if (t->requests > requests && has_more(t)) return;
   for (; turns > 0; turns--) {
     struct epoll_event came[2];
     int n, busy;
@@ -339,6 +358,6 @@ void turns_run(struct turns *t, int turns, int timeout_ms) {
     if (n == 0 && busy && t->running == NULL) tell(t, awaited(t), TURNS_SILENT);
     if (n == 0 && t->running != NULL)
       tell(t, t->running->process, t->running->outside ? TURNS_OUTSIDE : TURNS_SILENT);
-    if (n != 1 || !turns_hear(t, came[0].data.fd)) break;
+    if (n != 1 || !turns_hear(t, came[0].data.fd) || has_more(t)) break;
   }
 }

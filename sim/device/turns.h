@@ -24,7 +24,7 @@ struct turns {                /* the server reads and writes the first of it */
   mmcs_sim *sim;
   mmcs_server *server;
   int64_t hz;
-  int32_t epoll;
+  int32_t epoll, bell; /* an eventfd: on some line is a request */
   struct process *processes;
   int64_t numbers, last_process, last_line; /* which ran last */
   struct line *running;
@@ -42,8 +42,9 @@ void turns_destroy(struct turns *t);
 void turns_expect(struct turns *t, int pid);
 /* The processes; their number. */
 int turns_pids(const struct turns *t, int32_t *pids, int most);
-/* WIRE_LINE has come on this connection, which belongs to the engine from now on. */
-void turns_line(struct turns *t, int fd, const void *request);
+/* WIRE_LINE has come on this connection, which belongs to the engine from now on, as the eventfd
+ * of its answers. page: a file as long as struct wire_page. */
+void turns_line(struct turns *t, int fd, int page, int wake, const void *request);
 /* 1: the descriptor was a line's or a process', and what it had has been served. */
 int turns_hear(struct turns *t, int fd);
 

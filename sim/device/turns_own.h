@@ -9,14 +9,15 @@
 #include "turns.h"
 #include "wire.h"
 
-enum { MOST_ASKED = 512, MOST_READ = 1024 }; /* bytes of a request; of states */
 #define BIT(number) (UINT64_C(1) << ((number) - 1))
 
 /* A thread. It runs, waits, or is ready to go on, because of `cause`. */
 struct line {
   struct line *next; /* of the process, by number */
   struct process *process;
-  int fd;
+  int fd, wake;
+  uint32_t heard; /* requests */
+  struct wire_page *page;
   enum { RUNS, WAITS, READY } state;
   enum wire_cause cause;
   int64_t number;

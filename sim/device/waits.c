@@ -51,6 +51,7 @@ CALL(int, nanosleep, (const struct timespec *at, struct timespec *left), (at, le
   return errno == 0 ? 0 : -1;
 }
 
+SAME(thrd_sleep, nanosleep);
 int usleep(useconds_t us) {
   struct timespec at = {us / 1000000, us % 1000000 * 1000};
   return nanosleep(&at, NULL);

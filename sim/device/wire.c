@@ -21,10 +21,38 @@
 /* Where the server is, as the environment said when the program began: it may clear that later. */
 static char server_path[sizeof(((struct sockaddr_un *)0)->sun_path)];
 
+static void close_directly(int fd) {
+  (void)syscall(SYS_close, fd);
+}
+
+static ino_t inode_of(int fd) {
+  struct stat status = {0};
+  return syscall(SYS_fstat, fd, &status) == 0 ? status.st_ino : 0;
+}
+
+/* The channel of this thread: opened at its first call, closed when the thread ends. It is taken
+ * away while a call is under way: a handler that calls meanwhile, or leaves by longjmp, opens
+ * another one, and answers never get mixed up. */
+static __thread struct channel {
+  int fd;
+  pid_t pid;
+  ino_t inode; /* the program may have closed every descriptor it could count to */
+} channel = {.fd = -1};
+static pthread_key_t at_thread_end;
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void end_thread(void *unused) {
+  (void)unused;
+  if (channel.fd >= 0 && inode_of(channel.fd) == channel.inode) close_directly(channel.fd);
+  channel.fd = -1;
+}
+
 static pid_t own_pid; /* getpid() without a call of the kernel */
 
+/* The channel that a child of fork has is its parent's. */
 static void note_pid(void) {
   own_pid = getpid();
+  end_thread(NULL);
 }
 
 __attribute__((constructor(101))) static void keep_path(void) {
@@ -53,9 +81,11 @@ int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64
   return sent < 0 ? -1 : 0;
 }
 
-/* The alarm of a program whose server does not answer must reach it: what has waited for LATE_MS
- * lets signals through. */
-int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room, const sigset_t *before) {
+/* Its reply: 0; -EIO when the server is gone or answers nonsense. The alarm of a program whose
+ * server does not answer must reach it: what has waited for LATE_MS lets signals through that
+ * `before`, the program's mask, does, and gives -EINTR when a handler ran. */
+static int take(int fd, struct wire_reply *reply, void *out, uint32_t room,
+                const sigset_t *before) {
   struct iovec parts[2] = {{reply, sizeof(*reply)}, {out, room}};
   struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
   for (int late = 0;;) {
@@ -71,12 +101,8 @@ int wire_take(int fd, struct wire_reply *reply, void *out, uint32_t room, const 
     if (n >= 0) return -EIO;
     if (error == EINTR && late) return -EINTR;
     if (error != EINTR && error != EAGAIN) return -EIO;
-    late = error == EAGAIN && before != NULL;
+    late = error == EAGAIN;
   }
-}
-
-static void close_directly(int fd) {
-  (void)syscall(SYS_close, fd);
 }
 
 /* Whoever can make a socket at our path is not yet our server. */
@@ -114,15 +140,10 @@ static int exchange(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a,
                     const sigset_t *before) {
   struct wire_reply reply;
   int got = wire_ask(fd, op, name, a, b, data, length);
-  if (got == 0) got = wire_take(fd, &reply, out, out_length != NULL ? *out_length : 0, before);
+  if (got == 0) got = take(fd, &reply, out, out_length != NULL ? *out_length : 0, before);
   if (got != 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
   return reply.result;
-}
-
-static ino_t inode_of(int fd) {
-  struct stat status = {0};
-  return syscall(SYS_fstat, fd, &status) == 0 ? status.st_ino : 0;
 }
 
 int wire_open(const char *path, int flags) {
@@ -167,17 +188,6 @@ int wire_is_file(int fd, char name[WIRE_NAME]) {
   return ours;
 }
 
-/* The channel of this thread: opened at its first call, closed when the thread ends. It is taken
- * away while a call is under way: a handler that calls meanwhile, or leaves by longjmp, opens
- * another one, and answers never get mixed up. */
-static __thread struct channel {
-  int fd;
-  pid_t pid;
-  ino_t inode; /* the program may have closed every descriptor it could count to */
-} channel = {.fd = -1};
-static pthread_key_t at_thread_end;
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-
 static struct channel take_channel(void) {
   const struct channel had = channel, none = {.fd = -1};
   int fd;
@@ -187,18 +197,8 @@ static struct channel take_channel(void) {
   return (struct channel){fd, wire_pid(), inode_of(fd)};
 }
 
-static void end_thread(void *unused) {
-  (void)unused;
-  if (channel.fd >= 0 && inode_of(channel.fd) == channel.inode) close_directly(channel.fd);
-  channel.fd = -1;
-}
-
 static void make_key(void) {
   (void)pthread_key_create(&at_thread_end, end_thread);
-}
-
-void wire_after_fork(void) {
-  end_thread(NULL); /* the parent's */
 }
 
 static void put_channel(struct channel c) {

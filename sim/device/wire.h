@@ -33,23 +33,20 @@ enum wire_op {
   WIRE_LOAD = 5,  /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
   WIRE_STORE = 6, /* mapped write: a = offset, b = bytes (1, 2), data = value */
   WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
-  /* Lock-step only. Every thread has a connection more, its line; what it waits for goes there. */
-  WIRE_LINE = 12,   /* a = enum wire_line and, from bit 8, the thread's number in its process, b =
-                       thread: this is its line. Answered when it may run. Again: the thread ends, no
-                       answer */
+  /* Lock-step only. Every thread has a connection more, its line, which carries the first of these
+   * and shows that the other end is gone. Back come a file, its struct wire_page, for what it
+   * asks from then on, an eventfd that tells of answers, and one that tells of requests. */
+  WIRE_LINE = 12,   /* a = the thread's number in its process, 0: the first; b = thread. Answered
+                       when it may run. Again: the thread ends, no answer */
   WIRE_WAIT = 13,   /* data = struct wire_wait, descriptors, and the bytes of a write() that is
-                       carried out first; answered when it may run again: result = enum wire_cause,
-                       data = struct wire_now. a = bytes of states that may follow it, as read()
-                       would give them */
-  WIRE_LATER = 16,  /* data = the bytes of such a write() */
+                       carried out first; answered when it may run again: result = enum wire_cause.
+                       a = bytes of states that may come with it, as read() would give them */
   WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
-  WIRE_NOW = 17,    /* reply data = struct wire_now */
+  WIRE_NOW = 17,    /* what comes with every answer: struct wire_now */
   WIRE_POKE = 18,   /* a = pid, b = signal: this thread has sent it one */
-  WIRE_CANCEL = 19, /* on a line that waits: a signal from outside has come. It has no answer */
+  WIRE_CANCEL = 19, /* on a line that waits: a signal from outside has come. Answered as the wait */
 };
-
-enum wire_line { LINE_PROGRAM = 0, LINE_THREAD = 1, LINE_CHILD = 2 };
 
 /* What ends a wait, beside its time and (but for WAIT_DEAF) a signal. */
 enum wire_what {
@@ -99,6 +96,16 @@ struct wire_request {
 struct wire_reply {
   int32_t result; /* >= 0, or a negative errno; for LOAD and STORE a wire_bus number */
   uint32_t length;
+};
+
+struct wire_page {          /* zeros, but for the first request: the line */
+  uint32_t asked, answered; /* how many requests of the line */
+  struct wire_request request;
+  char data[512]; /* at most 64 descriptors, 128 bytes of a write() */
+  int32_t result;
+  uint32_t length; /* bytes of states */
+  struct wire_now now;
+  char states[1024];
 };
 
 enum wire_bus { WIRE_BUS_OK = 0, WIRE_BUS_TIMEOUT = 1, WIRE_BUS_ERROR = 2 };
