@@ -94,7 +94,7 @@ def serve_program(server: Server, command: list[str]) -> int:
     env = environment(server.path, lockstep=steps.on)
     if not steps.on:
         return _run(command, env, server.step)
-    return _run(command, env, server.step, steps.expect, steps.has)
+    return _run(command, env, server.step, steps.expect, lambda pid: pid in steps.pids())
 
 
 def say(text: str) -> None:

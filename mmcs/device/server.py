@@ -8,6 +8,7 @@ every step, and again between requests and while one waits.
 """
 
 import contextlib
+import fcntl
 import os
 import resource
 import select
@@ -274,8 +275,10 @@ class Server:
     def becomes_line(self, connection: Connection, request: bytes) -> None:
         """Its thread gets a page for requests and answers, and what tells of them; or it ends."""
         with contextlib.suppress(OSError):  # no descriptors are left, or the thread is gone
-            page, wake = os.memfd_create("mmcs"), os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+            page = os.memfd_create("mmcs", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+            wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
             os.write(page, b"\1".ljust(wire.PAGE_SIZE, b"\0"))  # it has asked for its line
+            fcntl.fcntl(page, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK)  # which a program cannot take
             socket.send_fds(connection.sock, [b"."], [page, wake, self.lockstep.now.bell])
             del self.connections[fd := connection.sock.detach()]
             self.lockstep.line(fd, page, wake, request)

@@ -48,9 +48,6 @@ class Turns:
         pids = self._ffi.new("int32_t[]", 1000)
         return [*pids[0 : self._lib.turns_pids(self.now, pids, len(pids))]]
 
-    def has(self, pid: int) -> bool:
-        return pid in self.pids()
-
     def _say(self, pid: int, why: int) -> None:
         who = f"{wire.command(pid) or 'a program'} ({pid})" if pid else "a program"
         self._tell(f"mmcs: lock-step: {who} {WHY[why].format(self.now.silent_s)}")

@@ -66,7 +66,7 @@ class ProgramSession(Session):
             t = duration * look / looks
             steps.now.limit = round(t * self.sim.build()["clk_hz"])
             while self.sim.clock < steps.now.limit or steps.busy():
-                if not any(steps.has(child.pid) for child in children):
+                if not any(child.pid in steps.pids() for child in children):
                     return bool(steps.now.good)
                 server.step()
             if not steps.now.good:

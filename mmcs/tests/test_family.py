@@ -84,7 +84,7 @@ def run(folder, command, neighbour, fault, length):
                     children.append(subprocess.Popen(line, env=env, stdout=out, stderr=out))
                     server.lockstep.expect(children[-1].pid)
                 program = children[-1]
-                while sim.time < end and any(server.lockstep.has(c.pid) for c in children):
+                while sim.time < end and any(c.pid in server.lockstep.pids() for c in children):
                     server.step()
                     if samples is None and sim.time >= over:
                         samples = sim.samples
