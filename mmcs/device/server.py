@@ -112,7 +112,8 @@ class Server:
         """In lock-step, until something else than a line has to be served."""
         if self.lockstep.on and not self.machine.now.paused and self.advances is None:
             before = self.sim.samples
-            self.lockstep.run(TURNS, round(IDLE_S * 1000))
+            asked = any(c.has_request() for c in self.connections.values())  # is served before more
+            self.lockstep.run(TURNS, 0 if asked else round(IDLE_S * 1000))
             self._answer_watchers(self.sim.samples != before)
 
     def _serve(self, connection: Connection, nested: bool = False) -> None:
@@ -241,7 +242,7 @@ class Server:
         """Accepts, reads and sends what the sockets are ready for; serves nothing but stops."""
         ready = self.poll.poll(wait)
         self.listened = time.monotonic()
-        for fd, mask in ready:
+        for fd, mask in sorted(ready, key=lambda r: r[0] in self._doors):  # a new fd is in none
             if fd in self._doors:
                 while self._accept(*self._doors[fd]):
                     pass
@@ -274,15 +275,15 @@ class Server:
 
     def becomes_line(self, connection: Connection, request: bytes) -> None:
         """Its thread gets a page for requests and answers, and what tells of them; or it ends."""
-        with contextlib.suppress(OSError):  # no descriptors are left, or the thread is gone
-            page = os.memfd_create("mmcs", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        with open(os.memfd_create("mmcs", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING), "wb", 0) as page:
             wake = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-            os.write(page, b"\1".ljust(wire.PAGE_SIZE, b"\0"))  # it has asked for its line
+            page.write(b"\1".ljust(wire.PAGE_SIZE, b"\0"))  # it has asked for its line
             fcntl.fcntl(page, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK)  # which a program cannot take
-            socket.send_fds(connection.sock, [b"."], [page, wake, self.lockstep.now.bell])
+            ends = [page.fileno(), wake, self.lockstep.now.bell]
+            with contextlib.suppress(ConnectionError):  # the thread is gone: its line ends at once
+                socket.send_fds(connection.sock, [b"."], ends)
             del self.connections[fd := connection.sock.detach()]
-            self.lockstep.line(fd, page, wake, request)
-            os.close(page)
+            self.lockstep.line(fd, page.fileno(), wake, request)
 
     def _hang_up_ended(self) -> None:
         for connection in [c for c in self.connections.values() if c.ended and not c.busy]:

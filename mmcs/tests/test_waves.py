@@ -19,7 +19,7 @@ from mmcs.runs.runner import simulate
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
 from mmcs.view import watched, waves
-from mmcs.view.moments import Pass, first_missed, first_pass
+from mmcs.view.moments import Pass, first_missed, first_pass, variables
 from mmcs.view.names import registers
 
 SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
@@ -63,7 +63,7 @@ def test_rows_have_the_name_of_their_block():
 
 def test_the_pass_is_whole(trace):
     """SCLOCK, acknowledge within the latency, reads, then writes, all within one interval."""
-    seen = first_pass(trace, waves.MACHINE)
+    seen = first_pass(variables(trace), waves.MACHINE)
     us = [(time - seen.sclock) / 1e6 for time in seen]
     assert us[0] < us[1] < us[2] < us[3] < 1000 and us[1] < 130
 
@@ -159,7 +159,7 @@ def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
     assert begin < missed[0]["t"] < end
     wave = tmp_path / "missed.fst"
     assert trace_again(record, wave, begin, end)[0] is None
-    at = first_missed(wave, waves.MACHINE)
+    at = first_missed(variables(wave), waves.MACHINE)
     assert at is not None
     gtkw, _ = waves.write_views(wave)
     text = gtkw.read_text()

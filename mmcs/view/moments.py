@@ -18,20 +18,16 @@ class Pass(NamedTuple):
     last_write: int
 
 
-def _nets(trace: Path, machine: str):
+def variables(trace: Path) -> dict:
+    """What is in a trace, by path."""
+    import pywellen
+
+    return {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
+
+
+def _nets(found: dict, machine: str):
     """A function that gives a net's times and values, of the machine's nets by their paths."""
-    import pywellen
-
-    found = {var.full_name: var for var in pywellen.Waveform(str(trace)).all_vars()}
     return lambda path: [(time, int(value)) for time, value in found[f"{machine}.{path}"].tv]
-
-
-def own_cards(trace: Path) -> list[tuple[str, int]]:
-    """The registers of cards of one's own, and their widths."""
-    import pywellen
-
-    every = pywellen.Waveform(str(trace)).all_vars()
-    return [(var.full_name, var.length) for var in every if var.full_name.startswith("CARD.")]
 
 
 def _edges(changes: list[tuple[int, int]], to: int) -> list[int]:
@@ -40,9 +36,9 @@ def _edges(changes: list[tuple[int, int]], to: int) -> list[int]:
     return [time for (_, before), (time, after) in pairs if before != after == to]
 
 
-def first_missed(trace: Path, machine: str) -> int | None:
+def first_missed(found: dict, machine: str) -> int | None:
     """The first SCLOCK edge in the trace at which its latch is still set; None: there is none."""
-    net = _nets(trace, machine)
+    net = _nets(found, machine)
     latch = net("u_adaptor.u_core.u_pccsr.sclock_latch_q")
     times = [time for time, _ in latch]
     for clock in _edges(net("sclock_o"), 1):
@@ -52,15 +48,15 @@ def first_missed(trace: Path, machine: str) -> int | None:
     return None
 
 
-def first_panic(trace: Path, machine: str) -> int | None:
+def first_panic(found: dict, machine: str) -> int | None:
     """The first rise of PANIC in the trace; None: there is none."""
-    rises = _edges(_nets(trace, machine)("u_adaptor.panic_o"), 1)
+    rises = _edges(_nets(found, machine)("u_adaptor.panic_o"), 1)
     return next(iter(rises), None)
 
 
-def first_pass(trace: Path, machine: str) -> Pass | None:
+def first_pass(found: dict, machine: str) -> Pass | None:
     """The first servo pass in the trace from its SCLOCK to the next one; None: there is none."""
-    net = _nets(trace, machine)
+    net = _nets(found, machine)
     clocks = _edges(net("sclock_o"), 1)
     acks = _edges(net("u_adaptor.vme_iackin_ni"), 0)
     reads, writes = _edges(net("pcx_ior_no"), 0), _edges(net("pcx_iow_no"), 1)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from mmcs.folder import whole_file
 from mmcs.place import need
 from mmcs.screen import echo
-from mmcs.view.moments import Pass, first_missed, first_panic, first_pass, own_cards
+from mmcs.view.moments import Pass, first_missed, first_panic, first_pass, variables
 from mmcs.view.names import write_tables
 
 MACHINE = "TOP.mmcs"
@@ -162,10 +162,11 @@ def write_views(trace: Path) -> tuple[Path, Path]:
     gtkw, sucl = trace.with_suffix(".gtkw"), trace.with_suffix(".sucl")
     names = trace.resolve().with_suffix(".names")
     write_tables(names)
-    cards = [Signal(path, width, HEX) for path, width in own_cards(trace)]
+    found = variables(trace)
+    cards = [Signal(path, var.length, HEX) for path, var in found.items() if path[:5] == "CARD."]
     groups = GROUPS | ({"own card": cards} if cards else {})
-    seen = first_pass(trace, MACHINE)
-    events = (first_missed(trace, MACHINE), first_panic(trace, MACHINE))
+    seen = first_pass(found, MACHINE)
+    events = (first_missed(found, MACHINE), first_panic(found, MACHINE))
     for path, text in (
         (gtkw, _gtkwave(trace, names, groups, seen, events)),
         (sucl, _surfer(groups, seen)),

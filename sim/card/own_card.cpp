@@ -74,14 +74,13 @@ void OwnCard::restore(const std::vector<uint64_t> &values) {
   send();
 }
 
-const std::vector<char> &OwnCard::bytes() {
-  bytes_.clear();
-  for (const auto &[at, count] : memory_) bytes_.insert(bytes_.end(), at, at + count);
-  return bytes_;
+void OwnCard::copy_registers(std::vector<char> *to) const {
+  to->clear();
+  for (const auto &[at, count] : memory_) to->insert(to->end(), at, at + count);
 }
 
 void OwnCard::mark() {
-  marked_ = bytes();
+  copy_registers(&marked_);
   marked_inputs_.clear();
   for (const Net &input : inputs_) marked_inputs_.push_back(input ? input.get() : 0);
 }

@@ -70,9 +70,8 @@ class OwnCard {
   void upset(size_t reg, uint64_t bits);
   // All registers at once, without the edge of a reset; called twice, as resets among them follow.
   void restore(const std::vector<uint64_t> &values);
-  // All registers; goes back to what they and the inputs were at the last mark(), when it was
-  // quiet.
-  const std::vector<char> &bytes();
+  void copy_registers(std::vector<char> *to) const;
+  // go_back(): to what registers and inputs were at the last mark(), when it was quiet.
   void mark();
   void go_back();
 
@@ -87,7 +86,7 @@ class OwnCard {
   uint64_t sent_[kMostOutputs] = {};
   std::vector<std::pair<char *, size_t>> memory_;  // of the registers: where, and how many bytes
   std::vector<char> known_;                        // what is there, as seen last
-  std::vector<char> bytes_, marked_;               // as bytes() and mark() found it
+  std::vector<char> marked_;                       // as mark() found it
   std::vector<uint64_t> marked_inputs_;
   bool changed_ = true, active_ = true;
 };

@@ -135,9 +135,10 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
 static int hear(struct turns *t) {
   EACH_LINE(t, p, l) {
     const uint32_t asked = __atomic_load_n(&l->page->asked, __ATOMIC_ACQUIRE);
-    const struct wire_request r = l->page->request;
+    struct wire_request r;
     _Alignas(uint64_t) char data[sizeof(l->page->data)];
     if (asked == l->heard) continue;
+    r = l->page->request;
     memcpy(data, l->page->data, sizeof(data));
     l->heard = asked;
     serve(t, l, &r, data);

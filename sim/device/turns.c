@@ -43,6 +43,7 @@ void ready(struct line *l, enum wire_cause cause) {
 
 static void begin(struct turns *t) {
   t->began = wall();
+  t->clock = clock_of(t);
   t->told = 0;
 }
 
@@ -243,6 +244,7 @@ int turns_rest(const struct turns *t) {
 }
 
 static void tell(struct turns *t, const struct process *p, enum turns_why why) {
+  if (why == TURNS_SILENT && t->clock != clock_of(t)) begin(t); /* its accesses take time */
   if (t->told || wall() - t->began < (why == TURNS_SILENT ? t->silent_s : t->outside_s)) return;
   t->told = 1;
   t->tell(p != NULL ? p->pid : 0, (int)why);

@@ -28,7 +28,8 @@ struct turns {                /* the server reads and writes the first of it */
   struct process *processes;
   int64_t numbers, last_process, last_line; /* which ran last */
   struct line *running;
-  double began; /* real time at which it began */
+  double began;  /* real time at which it began */
+  int64_t clock; /* and the clock */
   int32_t told;
   int64_t events; /* whose signals have been sent */
 };

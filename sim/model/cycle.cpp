@@ -151,9 +151,9 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
   const std::vector<uint32_t> expected = rack_.data_;
   std::copy(before.begin(), before.end(), data_);
   go_back();
-  std::vector<char> card;
+  std::vector<char> card, card_then;
   if (rack_.own_card_) {
-    card = rack_.own_card_->bytes();
+    rack_.own_card_->copy_registers(&card);
     rack_.own_card_->go_back();
   }
   rack_.keep_caches_ = true;
@@ -161,7 +161,8 @@ void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *repl
   rack_.keep_caches_ = false;
   data_[reply_] = reply->data;
   bool same = reply->answered == answered && reply->end == end;
-  same = same && (!rack_.own_card_ || rack_.own_card_->bytes() == card);
+  if (rack_.own_card_) rack_.own_card_->copy_registers(&card_then);
+  same = same && card == card_then;
   const auto compare = [&](size_t place) { same = same && data_[place] == expected[place]; };
   for (const Trace::Step &s : trace.steps) {
     s.part->catch_up(end);
