@@ -122,12 +122,18 @@ class Device:
     def read(self, axes: int = 32) -> list[State]:
         """The states of axes 0 to axes-1 (fewer if the driver controls fewer), of one sample."""
         _, data, _ = self._ask(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
-        return [State._make(values) for values in MC_STATE.iter_unpack(data)]
+        return [*map(State._make, MC_STATE.iter_unpack(data))]
 
     def write(self, setpoints: list[int]) -> None:
         """Setpoints of axes 0 to n-1, in feedback units, units per period, or D/A units."""
-        values = [_checked("setpoint", value) for value in setpoints]
-        self._ask(wire.WRITE, 0, struct.pack(f"<{len(values)}i", *values))
+        values = [*setpoints]
+        try:
+            data = struct.pack(f"<{len(values)}i", *values)
+        except struct.error:
+            for value in values:
+                _checked("setpoint", value)
+            raise
+        self._ask(wire.WRITE, 0, data)
 
     def write_axis(self, axis: int, setpoint: int) -> None:
         """The setpoint of one axis; the others keep theirs, whoever writes them."""
