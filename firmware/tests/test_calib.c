@@ -81,6 +81,10 @@ TEST(test_two_axes_of_a_card_one_after_the_other, "DRV-8 DRV-12") {
     CHECK_EQ(errcode_of(&m, 2 + second), 60 << 16 | (2 + second) << 8 | MERR_ZINDEX);
     CHECK_EQ(m.card[1].b, 0x0D); /* latched by SCLOCK and double-buffered again */
     CHECK_EQ(m.signals[0], 2);
+    for (int i = 0; i < 2; i++) call(mc, MCLEARERROR, 0);
+    call(mc, MCALIB, 2 + first);
+    mock_run(&m, 10000);
+    CHECK_EQ(errcode_of(&m, 2 + second), 0); /* its index was told */
   }
 }
 

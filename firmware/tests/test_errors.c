@@ -65,6 +65,8 @@ TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
   } cases[] = {{0x00, 0, MCAUSE_PASSED, -1, "mc: PANIC: button, cable or power\n"},
                {0x01, 0, MCAUSE_HEARTBEAT, 0, "mc: PANIC: axis 0 has no heartbeat\n"},
                {0x02, 0, MCAUSE_HEARTBEAT, 1, "mc: PANIC: axis 1 has no heartbeat\n"},
+               {0x03, 0, MCAUSE_HEARTBEAT, 0,
+                "mc: PANIC: axis 0 has no heartbeat\nmc: PANIC: axis 1 has no heartbeat\n"},
                {0x28, 0, MCAUSE_HEARTBEAT, 3,
                 "mc: PANIC: axis 3 has no heartbeat\nmc: PANIC: axis 5 has no heartbeat\n"},
                {0x00, 2, MCAUSE_CARD, 1, "mc: PANIC: card 1 does not answer\n"},
@@ -101,6 +103,11 @@ TEST(test_panic_names_who_is_silent, "DRV-9 DRV-12 PAN-2") {
       if (cases[i].dead >> axis & 1) CHECK_EQ(c->beat_until[axis & 1], 0);
     }
   }
+  struct mc *mc = enabled(1); /* its only card is all of them */
+  m.card[0].present = 0;
+  mock_run(&m, 3000);
+  int number;
+  CHECK_EQ(mc_cause(mc, &number), MCAUSE_SILENT);
 }
 
 TEST(test_own_panic_is_forgiven_for_60_ms, "DRV-6 DRV-9") {

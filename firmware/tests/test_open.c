@@ -207,17 +207,17 @@ TEST(test_nothing_but_motion_moves_a_count, "DRV-2 DRV-9 DRV-10 DIA-2") {
   }
 }
 
-/* While nobody has the device open the counters go on; so do positions beyond 16 bits, as long as
- * the card keeps its power. */
+/* While nobody has the device open the counters go on; so do positions beyond 16 bits, here of
+ * either sign, as long as the card keeps its power. */
 TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   struct mc *mc = mock_open(&m, 2);
   for (int axis = 0; axis < 4; axis++) {
     for (int i = 1; i <= 5; i++) {
-      m.card[axis / 2].count[axis & 1] = (uint16_t)(20000 * i + axis);
+      m.card[axis / 2].count[axis & 1] = (uint16_t)((axis < 2 ? -20000 : 20000) * i + axis);
       mock_run(&m, 2000);
     }
   }
-  CHECK_EQ(mc_state_of(mc, 3)->encnow, 100003);
+  CHECK_EQ(mc_state_of(mc, 1)->encnow, -99999);
   CHECK_EQ(mc_close(mc, 0), 0);
   m.card[1].count[0] = (uint16_t)(100002 + 30000); /* pushed by hand */
   m.logging = 1;
@@ -230,7 +230,8 @@ TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   }
   m.logging = 0;
   for (int axis = 0; axis < 4; axis++) {
-    CHECK_EQ(mc_state_of(mc, axis)->encnow, 100000 + axis + (axis == 2 ? 30000 : 0));
+    const int places[] = {-100000, -99999, 130002, 100003};
+    CHECK_EQ(mc_state_of(mc, axis)->encnow, places[axis]);
   }
   CHECK_EQ(mc_close(mc, 0), 0);
   m.card[0].present = 0; /* the other one keeps its axes' positions at their new numbers */
@@ -239,15 +240,21 @@ TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   for (int axis = 0; axis < 2; axis++) {
     CHECK_EQ(mc_state_of(mc, axis)->encnow, 100002 + axis + (axis == 0 ? 30000 : 0));
   }
+  m.card[0].present = 1;
   for (int reset = 0; reset < 2; reset++) { /* its encoders were cut off, or all: nobody knows */
     CHECK_EQ(mc_close(mc, 0), 0);
     if (reset) m.card[1].a = 0;
     m.card[1].b = 0;
     m.card[1].count[0] = 7;
     CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
-    CHECK_EQ(mc_state_of(mc, 0)->encnow, 7);
+    CHECK_EQ(mc_state_of(mc, 2)->encnow, 7);
+    for (int axis = 0; axis < 2; axis++) { /* of the other card: new, then known */
+      CHECK_EQ(mc_state_of(mc, axis)->encnow, reset ? 80000 : (int16_t)m.card[0].count[axis]);
+    }
     for (int i = 1; i <= 4; i++) {
-      m.card[1].count[0] = (uint16_t)(20000 * i);
+      for (int axis = 0; axis < 3; axis++) {
+        m.card[axis / 2].count[axis & 1] = (uint16_t)(20000 * i);
+      }
       mock_run(&m, 2000);
     }
   }
@@ -285,17 +292,23 @@ TEST(test_a_new_writer_starts_as_if_it_were_alone, "DRV-2") {
 
 /* The open for writing fails; the monitor goes on. */
 TEST(test_a_writer_that_cannot_open_leaves_the_monitor_alone, "DRV-2") {
-  struct mc *mc = mock_start(&m, 1);
-  CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
-  mock_run(&m, 5000);
-  m.adaptor_dead = 1;
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
-  m.adaptor_dead = 0;
-  CHECK_EQ(mc->pccsr, 0xB8);
-  m.card[0].count[0] = 99;
-  mock_run(&m, 5000);
-  CHECK_EQ(mc_state_of(mc, 0)->encnow, 99);
-  CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
+  for (int dead = 0; dead < 2; dead++) { /* or answers as no adaptor does */
+    struct mc *mc = mock_start(&m, 1);
+    struct mc_bus good = mc->bus;
+    CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
+    mock_run(&m, 5000);
+    m.adaptor_dead = dead;
+    hole = 0;
+    mc->bus.read8 = read_holes;
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), -MC_ENXIO);
+    m.adaptor_dead = 0;
+    mc->bus = good;
+    CHECK_EQ(mc->pccsr, 0xB8);
+    m.card[0].count[0] = 99;
+    mock_run(&m, 5000);
+    CHECK_EQ(mc_state_of(mc, 0)->encnow, 99);
+    CHECK_EQ(mc_open(mc, MC_O_RDWR), 1);
+  }
 }
 
 TEST(test_a_write_after_a_shutdown_is_refused, "DRV-6") {

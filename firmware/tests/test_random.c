@@ -115,6 +115,17 @@ static const struct mc_param table_2_1 = {.a0 = 1,
                                           .plo = INT32_MIN,
                                           .phi = INT32_MAX};
 
+/* Whatever the call: what is worked out of the parameters in force is up to date. */
+static void judge_law(const struct mc *mc) {
+  for (int axis = 0; axis < mc->axes; axis++) {
+    const struct servo_prepared *got = &mc->axis[axis].law;
+    struct servo_prepared want;
+    servo_prepare(&want, &mc->axis[axis].par);
+    CHECK(got->kind == want.kind && got->phi == want.phi && got->shift == want.shift);
+    CHECK(got->top == want.top && got->limit == want.limit);
+  }
+}
+
 /* --- any calls, right and wrong ones, of hardware that fails ---------------------------------- */
 
 static void disturb(void) {
@@ -190,6 +201,7 @@ TEST(test_random_calls, "DRV-3 DRV-4") {
     for (unsigned i = 0; i < COUNT(errors); i++) known |= result == -errors[i];
     CHECK(known);
     CHECK(!m.masked);
+    judge_law(mc);
   }
   if (mc != NULL) orderly(mc);
 }

@@ -93,6 +93,13 @@ TEST(test_joints_that_come_and_go, "DRV-3 DRV-6") {
   mock_pass(&m);
   for (int axis = 0; axis < 4; axis++) CHECK_EQ(mock_dac(&m, axis), 0x800);
   CHECK(!mock_panic(&m)); /* enabled all the same */
+  call(mc, MSETNUMJOINTS, 4);
+  set_mode(mc, 3, MD_TEST1);
+  for (int i = 0; i < 4; i++) mock_pass(&m);
+  CHECK_EQ(mock_dac(&m, 3), 0x800 + 3);
+  for (int joints = 3; joints < 5; joints++) call(mc, MSETNUMJOINTS, joints);
+  mock_pass(&m);
+  CHECK_EQ(mock_dac(&m, 3), 0x800); /* begins anew */
 }
 
 /* --- parameters ------------------------------------------------------------------------------ */

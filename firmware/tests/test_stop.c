@@ -9,6 +9,7 @@ static void at_rest(const struct mc *mc) {
     CHECK_EQ(mc_param_of(mc, axis)->mode & MD_MASK, MD_OFF);
     CHECK_EQ(mc_setpoint(mc, axis), 0);
     CHECK_EQ(mc_current(mc, axis), 0);
+    CHECK_EQ(mc_state_of(mc, axis)->inow, 0);
     CHECK_EQ(m.card[axis / 2].b & 2, 0);
   }
 }
