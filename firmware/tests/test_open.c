@@ -220,8 +220,10 @@ TEST(test_positions_survive_a_close, "DRV-2 DRV-10") {
   CHECK_EQ(mc_state_of(mc, 1)->encnow, -99999);
   CHECK_EQ(mc_close(mc, 0), 0);
   m.card[1].count[0] = (uint16_t)(100002 + 30000); /* pushed by hand */
+  m.card[0].b = 0x0D;                              /* double-buffered: as another program left it */
   m.logging = 1;
   CHECK_EQ(mc_open(mc, MC_O_RDONLY), 0);
+  CHECK_EQ(m.card[0].b, 5);
   for (int i = 0; i < m.used; i++) { /* counting was never off: an axis may be in motion */
     if (!m.log[i].write || m.log[i].offset > 0x047) continue;
     if ((m.log[i].offset & 0x3F) == 0x01) CHECK_EQ(m.log[i].value & 7, 5);
@@ -347,21 +349,29 @@ TEST(test_no_axis_is_servoed_blind, "DRV-12 DIA-2") {
   for (unsigned i = 0; i < COUNT(cases); i++) {
     int on = M_ENDIAG, off = 0, want = cases[i].needs ? -MC_EBUSY : 0;
     struct mc *mc = listening(1);
-    set_mode_within_100(mc, 1, cases[i].mode);
+    int axis = i & 1;
+    set_mode_within_100(mc, axis, cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), 0); /* at rest */
     CHECK_EQ(enable(mc), want);
     CHECK_EQ(mc_is_enabled(mc), !want);
-    SAID(want ? "mc: enable: axis 1 needs its encoder, which M_ENDIAG cuts off\n" : "");
-    set_mode_within_100(mc, 1, MD_OFF);
+    char line[] = "mc: enable: axis 0 needs its encoder, which M_ENDIAG cuts off\n";
+    *strchr(line, '0') = (char)('0' + axis);
+    SAID(want ? line : "");
+    set_mode_within_100(mc, axis, MD_OFF);
     CHECK_EQ(enable(mc), 0);
-    struct mc_param par = *mc_param_of(mc, 1);
+    struct mc_param par = *mc_param_of(mc, axis);
     par.mode = cases[i].mode;
     CHECK_EQ(mc_ioctl(mc, 0, MSETPARAM, &par), want);
-    CHECK_EQ(mc_param_of(mc, 1)->mode, want ? MD_OFF : cases[i].mode);
+    CHECK_EQ(mc_param_of(mc, axis)->mode, want ? MD_OFF : cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &off), 0);
-    set_mode_within_100(mc, 1, cases[i].mode);
+    set_mode_within_100(mc, axis, cases[i].mode);
     CHECK_EQ(mc_ioctl(mc, 0, MDIAGMODE, &on), want);
     CHECK_EQ(mc_diag(mc), want ? 0 : M_ENDIAG);
     CHECK_EQ(m.card[0].b & 1, want != 0);
   }
+  struct mc *mc = listening(1);
+  set_mode(mc, 1, MD_POS);
+  call(mc, MSETNUMJOINTS, 1); /* without that axis */
+  call(mc, MDIAGMODE, M_ENDIAG);
+  CHECK_EQ(enable(mc), 0);
 }

@@ -92,6 +92,10 @@ TEST(test_a_processor_that_is_too_slow_is_told_at_rest, "DRV-7") {
     SAID(crowded);
     m.compute_us = 0;
     mock_run(&m, 10000);
+    m.adaptor_dead = 1;
+    CHECK_EQ(mc_interrupt(mc), 0);
+    m.adaptor_dead = 0;
+    said[sizeof crowded - 1] = 0; /* the bus error is told, too */
     m.compute_us = 1200;
     mock_run(&m, 200000);
     SAID(crowded);

@@ -166,13 +166,13 @@ TEST(test_diagnostic_modes, "DIA-2 DRV-12") {
 }
 
 TEST(test_every_counter_of_the_statistics, "DRV-3") {
-  struct mc *mc = mock_open(&m, 1);
+  struct mc *mc = mock_open(&m, 2);
   struct mc_stats stats;
   static const struct mc_stats none;
   set_mode_within_100(mc, 0, MD_TORQ);
   set_mode_within_100(mc, 1, MD_TORQ);
   call(mc, MENABLE, 0);
-  DEMAND(mc, 1024, 1025); /* ilim is 1024: one of them is clipped */
+  DEMAND(mc, 1024, 1025); /* ilim is 1024: one of four is clipped */
   mock_pass(&m);
   CHECK_EQ(mc_ioctl(mc, 0, MZEROSTATS, NULL), 0);
   CHECK_EQ(mc_ioctl(mc, 0, MGETSTATS, &stats), 0);

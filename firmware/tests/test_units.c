@@ -135,6 +135,8 @@ TEST(test_a_card_answers_if_both_patterns_come_back, "DRV-9 DRV-12") {
       CHECK_EQ(m.card[1].a, 5); /* the lights are as they were */
     }
   }
+  wrong_at = 2; /* behind the first look of MENABLE */
+  CHECK_EQ(enable(mc), -MC_EIO);
   wrong_at = 0;
   CHECK_EQ(hw_answers(mc, 0), 1);
 }
