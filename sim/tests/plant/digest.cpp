@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints a digest of everything an arm and a row of axes do under a busy input, to compare builds.
+// Prints a digest of everything that an arm and a row of axes do under a busy drive while each input
+// of the plant is set for 20 ms in turn.
 #include <cstdio>
 
 #include "bench.h"
@@ -16,8 +17,14 @@ uint64_t run(mmcs::Plant &plant, int steps) {
   std::vector<double> drive(static_cast<size_t>(plant.axes()));
   std::vector<mmcs::PinEdge> edges;
   uint64_t random = 5;
+  int inputs = 0, input = 0, axis = 0;
+  while (mmcs::Plant::input_name(inputs) != nullptr) ++inputs;
   for (int k = 0; k < steps; ++k) {
     if (k % 400 == 0) {
+      plant.set_input(input, axis, 0.0);
+      input = k / 400 % inputs;
+      axis = k / 400 % plant.axes();
+      plant.set_input(input, axis, k / 400 / inputs % 2 + 1.0);
       for (double &v : drive) v = 12.0 * (mmcs::random_unit(random) - 0.5);
     }
     plant.step(drive.data(), k % 6000 < 5000, true, edges);
