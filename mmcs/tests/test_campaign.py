@@ -188,6 +188,8 @@ def test_rows_depend_on_nothing_but_the_plan(mmcs, rows, tmp_path):
     reports = [(tmp_path / folder / "report.md").read_bytes() for folder in "ab"]
     assert reports[0] == reports[1]
     text = reports[0].decode()
+    headings = ["By sort", "What stays undetected", "How far"]
+    assert [h for h in headings if f"\n## {h}\n" in text] == headings
     for name in CLASSES:
         share = sum(row["class"] == name for row in rows[:half])
         assert f"* **{name}**" in text and f" {share:,} |" in text
@@ -209,10 +211,8 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
     def here(tasks, workers, work):
         for numbers, (_, faults) in tasks:
             bad = 5 in numbers
-            rows = [
-                ROW | {"motion": f.motion, "sort": f.sort, "at": f.at, "what": f.what}
-                for f in faults
-            ]
+            names = "motion", "sort", "at", "what"
+            rows = [ROW | {name: getattr(f, name) for name in names} for f in faults]
             yield numbers, {"status": "failed", "why": "no"} if bad else {"rows": rows}
 
     monkeypatch.setattr("mmcs.sweeps.workers.run_here", here)
@@ -229,20 +229,17 @@ def test_chunk_that_fails_is_run_fault_by_fault(mmcs, tmp_path, monkeypatch):
 def test_every_input_has_its_sort_and_values():
     drawn = {name for name, i in INPUTS.items() if i.draw != "none" and i.made_by != "UPSET"}
     assert {*PINS, *LINES, *KILLS, *MESSAGES} == drawn
-    for name in drawn:
-        values = INPUTS[name].drawn() or [
-            float(v) for v in INPUTS[name].draw.split()[0].split("..")
-        ]
-        assert all(INPUTS[name].low <= value <= INPUTS[name].high for value in values), name
+    for i in (INPUTS[name] for name in drawn):
+        values = i.drawn() or [float(v) for v in i.draw.split()[0].split("..")]
+        assert all(i.low <= value <= i.high for value in values), i
 
 
 def test_every_bit_and_input_is_drawn_as_often_as_any_other(plan):
     count = 40_000
     faults = [plan.fault(n) for n in range(count)]
     assert faults[:50] == [plan.fault(n) for n in range(50)]
-    assert all(
-        abs(n / count - 1 / len(SORTS)) < 0.01 for n in Counter(f.sort for f in faults).values()
-    )
+    shares = Counter(f.sort for f in faults).values()
+    assert all(abs(n / count - 1 / len(SORTS)) < 0.01 for n in shares)
     bits = sum(width for _, width in plan.motions[0].registers)
     drawn = [f.event for f in faults if f.sort == "register"]
     name, width = max(plan.motions[0].registers, key=lambda r: r[1])
@@ -280,12 +277,10 @@ def test_lines_have_the_names_of_their_bus_and_a_register_one_for_all_cards_and_
     assert plain("g_card[2].u_card.g_axis[1].u_axis.u_dac.rank1_q") == "card.u_axis.u_dac.rank1_q"
 
 
-@pytest.mark.parametrize(
-    ("k", "n", "low", "high"),
-    [(0, 10, 0.0, 0.2775), (10, 10, 0.7225, 1.0), (5, 10, 0.2366, 0.7634), (0, 0, 0.0, 1.0)],
-)
-def test_wilson(k, n, low, high):
-    assert wilson(k, n) == pytest.approx((low, high), abs=1e-4)
+def test_wilson():
+    known = {(0, 10): (0, 0.2775), (10, 10): (0.7225, 1), (5, 10): (0.2366, 0.7634), (0, 0): (0, 1)}
+    for seen, bounds in known.items():
+        assert wilson(*seen) == pytest.approx(bounds, abs=1e-4)
 
 
 # --- ways to stop ------------------------------------------------------------------------------

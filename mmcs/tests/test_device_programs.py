@@ -12,7 +12,7 @@ import threading
 
 import pytest
 
-from mmcs import ROOT
+from mmcs import ROOT, mcdef
 from mmcs.device import execute
 from mmcs.device.client import Device
 from mmcs.device.execute import check_program, environment
@@ -228,6 +228,19 @@ def test_what_does_not_fit_is_einval(serving, call):
     with Device() as dev, pytest.raises(OSError) as no:
         call(dev)
     assert no.value.errno == 22
+
+
+def test_each_call_is_its_request(serving, monkeypatch):
+    made = []
+    with Device() as dev:
+        monkeypatch.setattr(dev, "ioctl", lambda code, data=b"": made.append((code, data.hex())))
+        dev.set_dac(1, 0xABC), dev.set_encoder(2, -2), dev.set_leds(3, 1), dev.calibrate(4)
+        dev.end_calibration(5), dev.set_dac_mode(True), dev.set_diag_mode(3), dev.take_lease()
+        dev.set_verbosity(2), dev.drop_lease(), dev.zero_stats(), dev.clear_error()
+    want = """MSETDAC=01bc0a00 MSETENC=02feff00 MSETLED=03010000 MCALIB=04000000 MCALIBEND=05000000
+        MDACMODE=01000000 MDIAGMODE=03000000 MLEASE=01000000 MSETVERBOSITY=02000000 MLEASE=00000000
+        MZEROSTATS= MCLEARERROR="""
+    assert made == [(getattr(mcdef, n), v) for n, _, v in (w.partition("=") for w in want.split())]
 
 
 def test_a_python_process_without_a_handler_lives(served):

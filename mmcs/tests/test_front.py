@@ -117,9 +117,8 @@ def test_what_is_no_input_is_one_sentence(lab500, ask, told):
     assert told in str(refused.value) and "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    "given", ["x", None, NAN, [NAN], 10**30, 1 << 31, [[1], [2]], object(), {}]
-)
+@pytest.mark.parametrize("given", [
+    "x", None, NAN, [NAN], 10**30, 1 << 31, [[1], [2]], object(), {}])  # fmt: skip
 def test_setpoints_that_are_none(idle, given):
     with pytest.raises(mmcs.InputError, match="setpoints.*: must be whole numbers of 32 bits"):
         idle.write(given)

@@ -97,9 +97,7 @@ def test_several_processes_have_an_order(tmp_path):
 
 def test_a_pipe_between_programs(tmp_path):
     """Who reads it waits for who writes, who sleeps; stdio at both ends."""
-    tail = (
-        "import sys, time; [print(line.strip(), round(time.time() % 60, 6)) for line in sys.stdin]"
-    )
+    tail = "import sys, time\nfor s in sys.stdin: print(s.strip(), round(time.time() % 60, 6))"
     head = "import time; [(time.sleep(0.01), print(n, flush=True)) for n in range(5)]"
     command = f"{sys.executable} -c '{head}' | {sys.executable} -c '{tail}'"
     for _ in range(2):

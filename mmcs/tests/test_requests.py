@@ -17,15 +17,12 @@ SIZES = {"-": 0, "int": 4, "unsigned int": 4, "struct mc_param": 72, "struct mc_
 def test_rows_and_codes_agree():
     """As in 4.2BSD: bit 31 in, bit 30 out, bits 16 to 28 the length."""
     ways = {"none": 0, "in": 1 << 31, "out": 1 << 30, "both": 3 << 30}
-    codes = {
-        n: v for n, v in mcdef.constants().items() if v & 0xFF00 == mcdef.MC_GROUP and v & 0xFF
-    }
+    group = mcdef.MC_GROUP
+    codes = {n: v for n, v in mcdef.constants().items() if v & 0xFF00 == group and v & 0xFF}
     others = {"MLEASE", "MWAIT", "MWHY", "MSTATUS"}  # the server's own
     assert set(REQUESTS) == set(codes) - others, "firmware/include: requests.def and sys/mmcs.h"
     for name, r in REQUESTS.items():
-        assert codes[name] == ways[r.way] | SIZES[r.argument] << 16 | mcdef.MC_GROUP | r.number, (
-            name
-        )
+        assert codes[name] == ways[r.way] | SIZES[r.argument] << 16 | group | r.number, name
     assert len(REQUESTS) >= 21
 
 

@@ -48,10 +48,8 @@ def test_a_host_whose_processor_is_not_installed(monkeypatch):
 
 
 @pytest.mark.req("HB-1", "PAN-3")
-@pytest.mark.parametrize(
-    "heartbeat_us",
-    [50_000, pytest.param(10_000, marks=pytest.mark.slow)],  # a whole build
-)
+@pytest.mark.parametrize("heartbeat_us", [
+    50_000, pytest.param(10_000, marks=pytest.mark.slow)])  # fmt: skip  # a whole build
 def test_host_that_dies_is_panic_after_the_heartbeat(heartbeat_us):
     """Nobody asks the bus, logs or signals then. amp_panic_cut: no motor has a current."""
     setup = load("arm_move", (f"heartbeat_us={heartbeat_us}", "amp_panic_cut=true"))
