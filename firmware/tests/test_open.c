@@ -36,6 +36,7 @@ TEST(test_attach_begins_anew, "DRV-1 DRV-2") {
   CHECK_EQ(enable(mc), 0);
   CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
   CHECK_EQ(mc_joints(mc), 0);
+  CHECK(!mc_is_enabled(mc) && !mc_is_stopped(mc));
   for (int i = 0; i < MC_MAX_CLIENTS; i++) CHECK_EQ(mc_read(mc, i, &state, 28), -MC_EBADF);
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   CHECK_EQ(m.vector, 0x77);

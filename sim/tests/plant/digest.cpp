@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints a digest of everything that an arm and a row of axes do under a busy drive while each input
-// of the plant is set for 20 ms in turn.
+// Prints a digest of everything that an arm and a row of axes do under a busy drive while each
+// input of the plant is set for 20 ms in turn.
 #include <cstdio>
 
 #include "bench.h"
