@@ -218,8 +218,7 @@ TEST(test_missed_are_counted_exactly, "DRV-7") {
   }
   CHECK(m.passes > passes);
   CHECK_EQ(stats->overrun, 0);
-  for (int late = 100; late < 1000;
-       late += 100) { /* the first of a new SCLOCK: the next is served */
+  for (int late = 100; late < 1000; late += 100) { /* the first of a new SCLOCK */
     call(mc, MSETINTERVAL, 1000);
     m.latency_us = late;
     mock_pass(&m);

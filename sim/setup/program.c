@@ -156,9 +156,10 @@ int pause(void) {
   return -1;
 }
 int sigsuspend(const sigset_t *mask) {
-  sigset_t before;
-  sigprocmask(SIG_SETMASK, mask, &before);
-  pause();
+  sigset_t before, waiting;
+  sigpending(&waiting);
+  sigprocmask(SIG_SETMASK, mask, &before);  // SIGUSR1 that has come runs its handler
+  if (!sigismember(&waiting, SIGUSR1) || sigismember(mask, SIGUSR1)) pause();
   sigprocmask(SIG_SETMASK, &before, NULL);
   errno = EINTR;
   return -1;

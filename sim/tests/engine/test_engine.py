@@ -255,6 +255,19 @@ def test_motion_shapes():
     assert max(machines.pairwise_diff(trapezoid)) == pytest.approx(4.5, abs=1.01)
 
 
+@pytest.mark.req("API-1")
+def test_a_motion_that_starts_at_a_sample_has_it_in_the_log():
+    first = 0.0  # from the start of the motion on, at the second machine 0
+    for _ in range(2):
+        with machine() as sim:
+            client = start(sim)
+            sim.run(sim.time + first)
+            sim.start_motion(client)
+            sim.run(sim.time + 0.002)
+            before, first = first, sim.log()[0][0]
+    assert before > 0 and first == 0
+
+
 @pytest.mark.req("SW-1")
 def test_inputs_have_names_and_bounds():
     with machine() as sim:

@@ -31,6 +31,37 @@ int main(void) {
 }
 """,
 }
+# An axis is outside its limits while SIGUSR1 is blocked but for the wait: from then on, or before.
+SUSPENDED = """
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+#include "mcdef.h"
+static int came;
+static void limit(int number) { came++; (void)number; }
+int main(void) {
+  sigset_t blocked, none, after;
+  struct mc_param param = {.which = 0};
+  int fd = open("/dev/mc0", O_RDWR);
+  signal(SIGUSR1, limit);
+  sigemptyset(&none), sigemptyset(&blocked), sigaddset(&blocked, SIGUSR1);
+  sigprocmask(SIG_BLOCK, &blocked, NULL);
+  if (ioctl(fd, MENABLE, NULL) < 0 || ioctl(fd, MGETPARAM, &param) < 0) return 1;
+  for (int pending = 0; pending < 2; pending++) {
+    param.mode = POSCHK | SOFTERR, param.plo = 100;
+    if (ioctl(fd, MSETPARAM, &param) < 0) return 1;
+    if (pending) usleep(5000);
+    int before = came, result = sigsuspend(&none);
+    sigprocmask(SIG_BLOCK, NULL, &after);
+    printf("%d %d %d %d\\n", before, result, came, sigismember(&after, SIGUSR1));
+    param.plo = -100;
+    if (ioctl(fd, MSETPARAM, &param) < 0 || usleep(5000) < 0) return 1;
+  }
+  return 0;
+}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +106,11 @@ def exec_of(name: str, more: list[str]) -> list:
     flags = ran(*words, check=True).stdout.split()
     source = EXAMPLES / f"{name}.c"
     return [compiled(f"plain_{name}", ["cc", *flags], [source], ["-lm", "-lpthread"])]
+
+
+@pytest.mark.req("API-1", "DRV-5")
+def test_a_signal_that_is_blocked_comes_while_it_is_waited_for(program):
+    assert ran(program("suspended", text=SUSPENDED), check=True).stdout == "0 -1 1 1\n1 -1 2 1\n"
 
 
 @pytest.mark.req("API-1")
