@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from needed import needs
 
-from mmcs import ROOT, RunError, Session, hosts, load, machine, make_report, simulate
+from mmcs import ROOT, RunError, Session, hosts, load, machine, make_report, mcdef, simulate
 from tools.compiled import compiled, ran, written
 
 pytestmark = [
@@ -136,6 +136,19 @@ def test_bus_error_while_servoing():
         else:
             assert not high, notes
     assert stopped >= 2
+
+
+@pytest.mark.req("DRV-13")
+def test_a_stop_without_an_interrupt_is_told_with_its_cause():
+    setup = load("lab500", "motion=[]", "expect=[]")
+    with machine(setup, host="m68020") as sim:
+        Session(sim, setup).begin()
+        for after, value in ((0.010, 1), (0.012, 0)):
+            sim.add_event(sim.time + after, sim.input_names().index("sysreset"), 0, value)
+        end = sim.time + 0.1
+        while not sim.stats()["panics"]:
+            assert sim.run(sim.time + 2e-5) and sim.time < end
+        assert sim.stats()["cause"] == mcdef.MCAUSE_RESET
 
 
 @pytest.mark.parametrize("what", WRONG)
