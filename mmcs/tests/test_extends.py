@@ -55,10 +55,7 @@ def test_paths_count_from_the_file_they_stand_in(tmp_path):
 @pytest.mark.parametrize(("text", "told"), [
     ('extends = "lab50"', 'extends = "lab50": no such scenario; did you mean "lab500"?'),
     ('extends = "x/y.toml"', 'extends = "x/y.toml": no such scenario file'),
-    (
-        "extends = 3",
-        "extends = 3: must be the name of a scenario, or the path of one from this",
-    ),
+    ("extends = 3", "extends = 3: must be the name of a scenario, or the path of one from this"),
     ('extends = "./mine.toml"', 'extends = "./mine.toml": extends itself, at last'),
     ('extends = "./other.toml"', 'extends = "./mine.toml": extends itself, at last'),
 ])  # fmt: skip
@@ -76,11 +73,8 @@ def test_files_that_extend_each_other_without_end(mmcs, tmp_path):
 
 
 def test_a_mistake_is_told_of_the_file_that_makes_it(tmp_path):
-    write(
-        tmp_path,
-        base=BASE.replace("cards = 1", "cards = 17"),
-        mine='description = "Mine"\nextends = "./base.toml"\nduration = -1\n',
-    )
+    mine = 'description = "Mine"\nextends = "./base.toml"\nduration = -1\n'
+    write(tmp_path, base=BASE.replace("cards = 1", "cards = 17"), mine=mine)
     with pytest.raises(InputError) as caught:
         load(str(tmp_path / "mine.toml"))
     files = {m.key: m.file.rpartition("/")[2] for m in caught.value.mistakes}

@@ -330,7 +330,7 @@ def test_pause_advance_rewind(serving, link):
 def test_a_program_that_came_and_went_is_not_left_open_by_a_rewind(serving, link):
     link.request("open", mode="r")
     with Device() as dev:
-        dev.change_param(0, a0=7, mode=mcdef.MD_POS)
+        assert dev.change_param(0, a0=7, mode=mcdef.MD_POS) == dev.get_param(0)
         dev.enable()
         link.request("pace", paused=True)
         kept = link.request("snapshot")["snapshot"]["id"]

@@ -128,52 +128,36 @@ CASES = {
     "unfinished": ("cards =", "line 1, column 8: not valid TOML: Invalid value"),
     # keys
     "unknown key": (top("interval = 5"), 'interval: unknown key; did you mean "interval_us"?'),
-    "missing": (
-        without("cards = 1\n"),
-        "cards: is missing; the number of motor interface cards, 1 to 16",
-    ),
+    "missing": (without("cards = 1\n"),
+        "cards: is missing; the number of motor interface cards, 1 to 16"),
     "missing in motion": (without("to = 200"), "motion.0.to: is missing; the new setpoint"),
     "no kind": (without('kind = "step"'), 'motion.0: needs a key "kind"'),
     # values that depend on others
-    "slow servo": (
-        "interval_us = 500" + table("servo", "clkdivisor = 101"),
+    "slow servo": ("interval_us = 500" + table("servo", "clkdivisor = 101"),
         "axis 0: clkdivisor = 101: must be at most 100 at this interval_us: "
-        "servo at least every 50 ms",
-    ),
-    "no such table": (
-        TABLE.replace("t.csv", "no.csv"),
-        'motion.0.file = "no.csv": cannot be read: No such file or directory',
-    ),
-    "overlap": (
-        table("motion", 'kind = "ramp"\nduration = 0.2')
-        + '[[motion]]\naxis = 0\nkind = "step"\nat = 0.1\nto = 0\n',
-        "motion: axis 0: the step at 0.1 s begins before the ramp at 0.05 s ends (0.25 s)",
-    ),
+        "servo at least every 50 ms"),
+    "no such table": (TABLE.replace("t.csv", "no.csv"),
+        'motion.0.file = "no.csv": cannot be read: No such file or directory'),
+    "overlap": (table("motion", 'kind = "ramp"\nduration = 0.2')
+                + '[[motion]]\naxis = 0\nkind = "step"\nat = 0.1\nto = 0\n',
+                "motion: axis 0: the step at 0.1 s begins before the ramp at 0.05 s ends (0.25 s)"),
     "cards too few": (top('robot = "puma560"'), "cards = 1: 6 axes need at least 3 cards"),
     "pose": (top("pose_deg = [1e300]"), "pose_deg.0 = 1e+300: must be at most 36000"),
-    "process too late": (
-        HEAD + '[[process]]\nkind = "pd"\naxis = 0\nat = 2.0\nto = 5\np = 1.0\n',
-        "process.0.at = 2.0: must be before the end of the run (0.3 s)",
-    ),
+    "process too late": (HEAD + '[[process]]\nkind = "pd"\naxis = 0\nat = 2.0\nto = 5\np = 1.0\n',
+                         "process.0.at = 2.0: must be before the end of the run (0.3 s)"),
     # as no editor leaves it: deep, huge, misplaced
     "deep": ("a = " + "[" * 5000 + "]" * 5000, "nests deeper than 10 levels"),
     "deep key": (".".join(["a"] * 900) + " = 1", "nests deeper than 10 levels"),
     "digits": (f"cards = {'9' * 5000}", "holds an integer with thousands of digits"),
-    "beyond float": (
-        GOOD.replace("200", "9" * 400),
-        f"motion.0.to = {'9' * 57}...: must be a number, or a list with one number per axis",
-    ),
+    "beyond float": (GOOD.replace("200", "9" * 400),
+        f"motion.0.to = {'9' * 57}...: must be a number, or a list with one number per axis"),
     "mark": ("\ufeff" + GOOD, "begins with a byte-order mark: save it without"),
     "line in a key": (top('"a\\nb" = 1'), "a\\nb: unknown key; allowed: description, robot, "),
-    "long robot": (
-        GOOD.replace("lab500", "a" * 300),
-        f'robot = "{"a" * 56}...: no such robot; there are: ',
-    ),
-    "table name": (
-        TABLE.replace("t.csv", "t\\u0000.csv"),
-        'motion.0.file = "t\\x00.csv": cannot be read: no file has such a name',
-    ),
-}
+    "long robot": (GOOD.replace("lab500", "a" * 300),
+        f'robot = "{"a" * 56}...: no such robot; there are: '),
+    "table name": (TABLE.replace("t.csv", "t\\u0000.csv"),
+        'motion.0.file = "t\\x00.csv": cannot be read: no file has such a name'),
+}  # fmt: skip
 for _name, _lines in TOLD_WHOLE.items():
     CASES |= {f"{_name} {told}": (table(_name, line), told) for line, told in _lines.items()}
 for _name, _lines in LINES.items():
@@ -282,37 +266,27 @@ FLEXIBLE_LINES = {
 LINK = "[[link]]\nalpha=0.0\na=0.0\nd=0.0\ntheta0=0.0\nmass=1.0\ninertia=[1,1,1,0,0,0]\ncom="
 ROBOTS = {
     "missing": (ROBOT.replace("km = 0.02", ""), "axis.0.km: is missing"),
-    "typo": (
-        ROBOT.replace("viscous", "viscus"),
-        'axis.0.viscus: unknown key; did you mean "viscous"?',
-    ),
-    "every axis": (
-        ROBOT.replace("[[axis]]", "[every_axis]\nviscus = 1\n[[axis]]"),
-        'every_axis.viscus: unknown key; did you mean "viscous"?',
-    ),
-    "winding": (
-        put(ROBOT, "km = 2.0"),
-        "axis.0.inertia = 2e-06: must be at least 0.0002, by km and resistance: steps are 50 us",
-    ),
-    "gravity": (
-        ROBOT.replace("[[axis]]", "gravity = [0, 0, 1e9]\n[[axis]]"),
-        "gravity = [0, 0, 1000000000.0]: must be numbers from -1000 to 1000",
-    ),
-    "stops": (
-        ROBOT + "stop_lo = 1.0\nstop_hi = 2.0",
-        "axis.0.angle0 = 0.0: must lie between the stops (1 to 2)",
-    ),
-    "arm": (
-        f"{ROBOT}{LINK}[0,0,0]\n{LINK}[0,0,0]",
-        'link = "2 links": an arm needs one [[link]] per [[axis]] (1)',
-    ),
+    "typo": (ROBOT.replace("viscous", "viscus"),
+        'axis.0.viscus: unknown key; did you mean "viscous"?'),
+    "every axis": (ROBOT.replace("[[axis]]", "[every_axis]\nviscus = 1\n[[axis]]"),
+        'every_axis.viscus: unknown key; did you mean "viscous"?'),
+    "winding": (put(ROBOT, "km = 2.0"),
+        "axis.0.inertia = 2e-06: must be at least 0.0002, by km and resistance: steps are 50 us"),
+    "gravity": (ROBOT.replace("[[axis]]", "gravity = [0, 0, 1e9]\n[[axis]]"),
+        "gravity = [0, 0, 1000000000.0]: must be numbers from -1000 to 1000"),
+    "stops": (ROBOT + "stop_lo = 1.0\nstop_hi = 2.0",
+              "axis.0.angle0 = 0.0: must lie between the stops (1 to 2)"),
+    "arm": (f"{ROBOT}{LINK}[0,0,0]\n{LINK}[0,0,0]",
+            'link = "2 links": an arm needs one [[link]] per [[axis]] (1)'),
+    "link source": (f'{ROBOT}{LINK}[0,0,0]\nsource = "A x"',
+                    'link.0.source = "A x": [reference] has no "x"'),
     "vector": (f"{ROBOT}{LINK}[0]", "link.0.com = [0]: must be a list of 3 numbers"),
     "copies": (put(ROBOT, "copies = 33"), "axis.0.copies = 33: must be at most 32"),
     **{line: (put(ROBOT, line), f"axis.0.{line}: {why}") for line, why in ROBOT_LINES.items()},
     **{
         line: (put(FLEXIBLE, line), f"axis.0.{line}: {why}") for line, why in FLEXIBLE_LINES.items()
     },
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", ROBOTS)

@@ -127,15 +127,13 @@ def test_the_buffer_is_bounded(library):
 
 def test_home_on_the_machine(tmp_path):
     """Two joints somewhere; their angles are the physics' afterwards."""
-    said, status, _ = output_in_lockstep(
-        tmp_path, compile_example(EXAMPLES / "move.c"), sets=("pose_deg=[70.0, -130.0]",)
-    )
+    move, pose = compile_example(EXAMPLES / "move.c"), "pose_deg=[70.0, -130.0]"
+    said, status, _ = output_in_lockstep(tmp_path, move, sets=(pose,))
     assert status == 0, said
     counts = joint_of(load_robot(str(ROBOT))[1], 0, 1000)["counts"]
     for line, degrees in zip(said.splitlines(), (70.0, -130.0), strict=False):
-        assert "0 rad is count" in line and int(line.split()[-1]) == math.floor(
-            -math.radians(degrees) * counts + 0.5
-        )
+        want = math.floor(-math.radians(degrees) * counts + 0.5)
+        assert "0 rad is count" in line and int(line.split()[-1]) == want
 
 
 def test_the_header_is_of_the_scenario_s_robot():

@@ -2,6 +2,7 @@
 """Checkouts that were moved, copied or cannot be written, and the package without a checkout."""
 
 import os
+import re
 import runpy
 import sys
 import sysconfig
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mmcs import BUILD, ROOT, SCENARIOS, place
+from mmcs import BUILD, ROOT, SCENARIOS, RunError, place, service
 from mmcs.place import results
 from mmcs.tests.conftest import one_clear_line
 from tools.compiled import ran
@@ -164,3 +165,16 @@ def test_no_command_but_those_needs_a_plotting_library():
 def test_nobody_is_told_to_fetch_mmcs_from_an_index():
     text = ran("git", "grep", "-nE", r"pip install .?mmcs", "--", ":!CHANGELOG.md", ":!mmcs/tests")
     assert text.stdout == ""
+
+
+def test_the_service_is_compiled_again_after_a_change_of_any_file_that_it_includes(monkeypatch):
+    def compiled(library, command, inputs):
+        raise RunError(" ".join(file.name for file in inputs))
+
+    monkeypatch.setattr(service, "_simulator", lambda: None)
+    monkeypatch.setattr(service, "compiled", compiled)
+    with pytest.raises(RunError) as no:
+        service.load.__wrapped__()
+    texts = [(ROOT / "sim" / "service" / name).read_text() for name in service.SOURCES]
+    included = re.findall('#include "(.*)"', "".join(texts))
+    assert included and {*service.SOURCES, *included} <= set(str(no.value).split())

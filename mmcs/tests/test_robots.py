@@ -5,6 +5,7 @@ import pytest
 
 from mmcs import ROBOTS
 from mmcs.scenario.load import load_robot
+from mmcs.scenario.robot import with_values
 from mmcs.tests.conftest import good
 from mmcs.tests.test_mistakes import FLEXIBLE, ROBOT
 
@@ -27,6 +28,12 @@ def test_flexible_axis_gives_the_rotor_and_the_load(scenario):
     _, rigid = load_robot(str(scenario(ROBOT, "own.toml")))
     assert rigid.motors(coupled=False)[0]["inertia"] == 2e-6
     assert rigid.motors(coupled=True)[0]["inertia"] == 1e-6
+
+
+def test_copies_are_numbered_from_1():
+    robot = {"axis": [{"copies": 2, "name": "J"}, {"name": "K"}]}
+    changed = with_values(robot, [{"axis": [1], "km": 2.0}])["axis"]
+    assert [(m["name"], m.get("km")) for m in changed] == [("J1", None), ("J2", 2.0), ("K", None)]
 
 
 def test_cautions(mmcs, scenario):

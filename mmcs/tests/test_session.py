@@ -112,9 +112,8 @@ def test_expectations_decide_the_status(mmcs, scenario, tmp_path):
     path = scenario(GOOD + EXPECT.format(rise="[40, 50]"))
     status, text, _ = mmcs("run", path, "--out", out, "--set", "axis.0.ilim=50")
     assert status == 1 and "FAILED  axis 0 rise in 40..50 ms: never" in text
-    down = GOOD + EXPECT.format(rise="[40, 50]").replace(
-        "final_counts = [1", "peak_error_counts = [1"
-    )
+    peak = EXPECT.replace("final_counts = [1", "peak_error_counts = [1")
+    down = GOOD + peak.format(rise="[40, 50]")
     good(mmcs("run", scenario(down), "--out", out, "--set", "motion.0.to=-200"))
 
 
@@ -204,13 +203,10 @@ def test_real_time_run_waits_for_the_wall_unless_it_is_behind(
 def test_a_dash_in_the_table_is_explained_under_it(mmcs, scenario, tmp_path):
     text = mmcs("run", scenario(), "--set", "motion.0.to=1000", "--out", tmp_path / "step")[1]
     assert "-: not a step" not in text
-    ramp = GOOD.replace('kind = "step"', 'kind = "ramp"').replace(
-        "to = 200", "to = 200\nduration = 0.1"
-    )
+    ramp = GOOD.replace('kind = "step"', 'kind = "ramp"\nduration = 0.1')
     text = mmcs("run", scenario(ramp), "--out", tmp_path / "ramp")[1]
-    assert (
-        "-: not a step, or never there (rise: 90 % of the step; settled: within 2 % of it)" in text
-    )
+    why = "not a step, or never there (rise: 90 % of the step; settled: within 2 % of it)"
+    assert f"-: {why}" in text
 
 
 def test_a_run_of_another_host_has_a_folder_of_its_own(mmcs, scenario, monkeypatch):
@@ -220,3 +216,11 @@ def test_a_run_of_another_host_has_a_folder_of_its_own(mmcs, scenario, monkeypat
         mmcs("run", path, "--host", host)
     found = {folder.name for folder in (path.parent / "runs").iterdir()}
     assert found == {path.stem, f"{path.stem}-m68020"}
+
+
+def test_periods_of_a_process_that_woke_twice_and_of_one_that_never_did():
+    pd = SimpleNamespace(kind="pd")
+    setup = SimpleNamespace(scenario=SimpleNamespace(process=[pd, pd]))
+    script = SimpleNamespace(told=lambda: [(2, 0, 990.04, 1010.06), (0, 0, 0.0, 0.0)])
+    told = [list(row.values()) for row in session.summaries(script, setup)]
+    assert told == [["pd", 2, 990.0, 1010.1], ["pd", 0, None, None]]

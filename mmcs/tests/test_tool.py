@@ -121,9 +121,10 @@ def test_a_recording_becomes_mcap_that_readers_read():
     )
     whole = b"".join(base64.b64decode(part["base64"]) for part in parts)
     reader = make_reader(io.BytesIO(whole))
-    found = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in reader.iter_messages()]
+    read = list(reader.iter_messages())
+    found = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in read]
     assert ("/axis/1", 2_000_000, {"encnow": 8, "error": -2}) in found
-    assert len(found) == 6
+    assert len(found) == 6 and all(m.publish_time == m.log_time for _, _, m in read)
 
 
 @pytest.mark.req("TOOL-1")
