@@ -5,7 +5,7 @@
 
 #include "Vmark1_decode.h"
 #include "board.h"
-#include "decoder.h"
+#include "glue.h"
 
 namespace mmcs {
 

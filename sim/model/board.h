@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <vector>
 
 class VerilatedContext;
 class VerilatedFstC;
@@ -53,6 +54,35 @@ struct Net {
       }
     }
   }
+};
+
+// Registers with bits that a fault holds, at 0 or at 1.
+class HeldBits {
+ public:
+  // From now on; no bits: the register is free.
+  void hold(const Net &net, uint64_t zeros, uint64_t ones) {
+    const auto same = [&net](const Held &h) { return h.net.at == net.at; };
+    held_.erase(std::remove_if(held_.begin(), held_.end(), same), held_.end());
+    if (zeros | ones) held_.push_back({net, zeros, ones});
+  }
+  // True: some register changes.
+  bool apply() const {
+    bool changed = false;
+    for (const Held &h : held_) {
+      const uint64_t before = h.net.get(), after = (before & ~h.zeros) | h.ones;
+      changed = changed || before != after;
+      h.net.put(after);
+    }
+    return changed;
+  }
+  bool any() const { return !held_.empty(); }
+
+ private:
+  struct Held {
+    Net net;
+    uint64_t zeros, ones;
+  };
+  std::vector<Held> held_;
 };
 
 // The variable of this name in a scope of the context; at is null if there is none.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// See checked.h.
+// The machine as a whole and its parts beside it, doing the same: parts with postponed clocks are
+// compared with the machine at every clock. The first difference is a failed assertion.
 
-#include "checked.h"
+#include "plain.h"
+#include "rack.h"
 
 namespace mmcs {
 namespace {
@@ -9,6 +11,32 @@ namespace {
 // Runs between two comparisons of all registers: a comparison makes the postponed clocks, of which
 // there are to be many sometimes.
 constexpr unsigned kEvery = 64;
+
+class Checked final : public Plain {
+ public:
+  Checked(uint64_t seed, const std::string &card) : Plain(seed, card), rack_(true, seed, card) {
+    rack_.check(kChecked);
+    pins_.also(&rack_.pins());
+  }
+
+  Stop run(int64_t n, int dtack, int64_t *ran) override;
+  bool bus_cycle(const BusRequest &request, BusReply *reply) override;
+  void upset(int reg, uint64_t bits) override;
+  void upset_card(size_t reg, uint64_t bits) override {
+    Plain::upset_card(reg, bits);
+    rack_.upset_card(reg, bits);
+  }
+  void restore(const std::vector<uint8_t> &state) override;
+  std::vector<CacheFigures> cache_figures() const override { return rack_.cache_figures(); }
+
+ private:
+  static constexpr int kChecked = 64;
+  void compare();
+
+  Rack rack_;
+  bool alone_ = false;  // the machine goes on without its parts
+  unsigned runs_ = 0;
+};
 
 }  // namespace
 
@@ -70,6 +98,10 @@ void Checked::upset(int reg, uint64_t bits) {
 void Checked::restore(const std::vector<uint8_t> &state) {
   Plain::restore(state);
   rack_.restore(state);
+}
+
+std::unique_ptr<Model> Model::create(bool, uint64_t seed, const std::string &card) {
+  return std::make_unique<Checked>(seed, card);
 }
 
 }  // namespace mmcs

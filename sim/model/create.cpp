@@ -1,26 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which machine a build has.
+// The machine of the speed build; plain.cpp and checked.cpp have those of the others.
 
-#include "model.h"
-#if MMCS_TRACE
-#include "plain.h"
-#elif MMCS_PLAIN
-#include "checked.h"
-#else
 #include "rack.h"
-#endif
 
-namespace mmcs {
-
-std::unique_ptr<Model> Model::create([[maybe_unused]] bool skip, uint64_t seed,
-                                     const std::string &card) {
-#if MMCS_TRACE
-  return std::make_unique<Plain>(seed, card);
-#elif MMCS_PLAIN
-  return std::make_unique<Checked>(seed, card);
-#else
+std::unique_ptr<mmcs::Model> mmcs::Model::create(bool skip, uint64_t seed,
+                                                 const std::string &card) {
   return std::make_unique<Rack>(skip, seed, card);
-#endif
 }
-
-}  // namespace mmcs

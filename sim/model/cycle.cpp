@@ -15,30 +15,58 @@ static bool worth_learning(unsigned sights) {
   return sights >= 4 && (sights & (sights - 1)) == 0;
 }
 
+Patterns::Patterns(std::vector<uint32_t> of) : masks(std::move(of)), sets(masks.size()) {
+  uint32_t random = 1;
+  for (size_t place = 0; place < masks.size(); ++place) {
+    for (uint32_t rest = masks[place]; rest; rest &= rest - 1) {
+      const auto bit = static_cast<uint8_t>(__builtin_ctz(rest));
+      uint32_t pattern = 0;
+      while (constant(pattern) || origins[pattern].known) {
+        random = random * 1664525 + 1013904223;
+        pattern = random >> (32 - kSets);
+      }
+      origins[pattern] = {static_cast<Place>(place), bit, true, false};
+      origins[pattern ^ ((1u << kSets) - 1)] = {static_cast<Place>(place), bit, true, true};
+      for (size_t set = 0; set < kSets; ++set) sets[place][set] |= (pattern >> set & 1) << bit;
+    }
+  }
+}
+
 Rack::Cycles::Cycles(Rack &rack)
     : rack_(rack),
       data_(rack.data_.data()),
       request_(rack.data_.size() - 2),
       reply_(request_ + 1),
-      masks_(rack.data_.size(), ~0u),
+      patterns_(masks()),
       pending_(rack.parts_.size()),
-      before_(rack.parts_.size()) {
-  masks_[request_] = 0xFFFF;
-  for (const auto &part : rack.parts_) {
+      before_(rack.parts_.size()) {}
+
+// All bits but those of counters with a margin.
+std::vector<uint32_t> Rack::Cycles::masks() const {
+  std::vector<uint32_t> found(rack_.data_.size());
+  found[request_] = found[reply_] = 0xFFFF;
+  for (const auto &part : rack_.parts_) {
     size_t at = part->number * kMostFields;
-    for (const DataField &field : part->model.fields()) masks_[at++] = field.mask;
+    for (const DataField &field : part->model.fields())
+      found[at++] = field.margin < 0 ? field.mask : 0;
   }
+  for (size_t net = 0; net < kWires.nets.size(); ++net) {
+    for (int bit = 0; bit < kWires.nets[net].width; ++bit)
+      found[kFirstNet + 2 * rack_.nets_.at(static_cast<int>(net), 0) +
+            static_cast<size_t>(bit / 32)] |= 1u << bit % 32;
+  }
+  return found;
 }
 
 // The parts' states and the request, as one number.
-uint64_t Rack::Cycles::states(const Request &request) const {
-  uint64_t all = request.key;
-  for (Part *part : request.parts) {
+uint64_t Rack::Cycles::states(uint64_t request) {
+  uint64_t all = request;
+  for (Part *part : requests_[request]) {
     part->catch_up(rack_.clock_);
     all = (all ^ reinterpret_cast<uintptr_t>(part->state())) * 0x9E3779B97F4A7C15u;
     all ^= all >> 29;
   }
-  return all | 1;
+  return all;
 }
 
 bool Rack::Cycles::fits(const Trace &trace) const {
@@ -64,12 +92,11 @@ Trace *Rack::Cycles::learn(const BusRequest &q, uint64_t key) {
   rack_.glue_stale_ = true;
   std::unique_ptr<Trace> trace = work_out(q);
   if (!trace) return nullptr;
-  Request &request = requests_[key];
+  std::vector<Part *> &parts = requests_[key];
   for (const Trace::Step &s : trace->steps) {
-    if (std::count(request.parts.begin(), request.parts.end(), s.part) == 0)
-      request.parts.push_back(s.part);
+    if (std::count(parts.begin(), parts.end(), s.part) == 0) parts.push_back(s.part);
   }
-  Known &known = known_[states(request)];
+  Known &known = known_[states(key)];
   trace->next = known.trace;
   known.trace = trace.get();
   traces_.push_back(std::move(trace));
@@ -79,7 +106,7 @@ Trace *Rack::Cycles::learn(const BusRequest &q, uint64_t key) {
 Trace *Rack::Cycles::find(const BusRequest &q) {
   const uint64_t key = uint64_t{q.address} << 16 | q.am << 8 | q.ds << 1 | unsigned{q.write};
   data_[request_] = q.data & 0xFFFF;
-  Known &known = known_[states(requests_[key])];
+  Known &known = known_[states(key)];
   for (Trace *trace = known.trace; trace; trace = trace->next) {
     if (fits(*trace)) return has_room(*trace) ? trace : nullptr;
   }
@@ -116,10 +143,6 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
     go_back();
     return false;
   }
-  if (rack_.check_ && ++hits_ % static_cast<unsigned>(rack_.check_) == 0) {
-    check(*trace, q, reply);
-    return true;
-  }
   move(*trace);
   *reply = {data_[reply_], rack_.clock_ + trace->answered, end};
   rack_.clock_ = end;
@@ -138,47 +161,6 @@ bool Rack::Cycles::make(const BusRequest &q, BusReply *reply) {
   return true;
 }
 
-// Makes the cycle clock by clock, and compares what becomes of it with the trace.
-void Rack::Cycles::check(const Trace &trace, const BusRequest &q, BusReply *reply) {
-  const int64_t answered = rack_.clock_ + trace.answered, end = rack_.clock_ + trace.end;
-  const std::vector<uint32_t> before = rack_.data_;
-  std::vector<std::pair<Part *, Part::Now>> after;
-  move(trace);
-  for_parts(followed_ & ~trace.parts, [&](Part &part) {
-    part.catch_up(end);
-    after.emplace_back(&part, part.now());
-  });
-  const std::vector<uint32_t> expected = rack_.data_;
-  std::copy(before.begin(), before.end(), data_);
-  go_back();
-  std::vector<char> card, card_then;
-  if (rack_.own_card_) {
-    rack_.own_card_->copy_registers(&card);
-    rack_.own_card_->go_back();
-  }
-  rack_.keep_caches_ = true;
-  *reply = rack_.clock_by_clock(q);
-  rack_.keep_caches_ = false;
-  data_[reply_] = reply->data;
-  bool same = reply->answered == answered && reply->end == end;
-  if (rack_.own_card_) rack_.own_card_->copy_registers(&card_then);
-  same = same && card == card_then;
-  const auto compare = [&](size_t place) { same = same && data_[place] == expected[place]; };
-  for (const Trace::Step &s : trace.steps) {
-    s.part->catch_up(end);
-    same = same && s.part->state() == s.to;
-  }
-  for (auto &[part, now] : after) {
-    part->catch_up(end);
-    same = same && part->state() == now.state && part->inputs() == now.inputs;
-    for (size_t f = 0; f < kMostFields; ++f) compare(part->number * kMostFields + f);
-  }
-  for (size_t n = heard_; n < trace.moves.size(); ++n) compare(trace.moves[n].to);
-  for (const Trace::Constant &c : trace.constants) compare(c.place);
-  for (const Trace::Sum &s : trace.sums) compare(s.place);
-  if (!same) throw std::logic_error("a bus cycle as one step differs from its clocks");
-}
-
 bool Rack::bus_cycle(const BusRequest &request, BusReply *reply) {
   if (own_card_ && (card_.changed || !own_card_->quiet())) return false;
   if (!skip_ || stopped_ || pins_.faulty() || pins_.waiting() || changed_inputs_ != 0 ||
@@ -187,7 +169,20 @@ bool Rack::bus_cycle(const BusRequest &request, BusReply *reply) {
     return false;
   }
   if (!cycles_ || cycles_->full()) cycles_ = std::make_unique<Cycles>(*this);
-  return cycles_->make(request, reply);
+  if (check_ == 0 || ++checked_ % static_cast<unsigned>(check_) != 0)
+    return cycles_->make(request, reply);
+  // Makes the cycle as one step and clock by clock, and compares what becomes of it.
+  const std::vector<uint8_t> before = save();
+  const auto edges = edges_;
+  if (!cycles_->make(request, reply)) return false;
+  const std::vector<uint8_t> after = save();
+  restore(before);
+  edges_ = edges;
+  const BusReply made = clock_by_clock(request);
+  if (save() != after || made.data != reply->data || made.answered != reply->answered ||
+      made.end != reply->end)
+    throw std::logic_error("a bus cycle as one step differs from its clocks");
+  return true;
 }
 
 }  // namespace mmcs

@@ -3,19 +3,20 @@
 //
 //   Trace          a cycle as one step: the states it leads from and to, what becomes of data
 //   Rack::Cycles   all traces of a machine, by request and states (cycle.cpp)
-//   Table          entries by their key
-//   Tracer         works a trace out (cycle_trace.cpp, cycle_words.h, cycle_glue.cpp)
+//   Patterns       of the bits of data over many sets of values, as a cache has them
+//   Tracer         works a trace out (cycle_trace.cpp, cycle_data.h)
 //
-// A trace is worked out clock by clock, from the transitions that the caches know, on the origin of
-// every bit instead of its value. So it holds for all data, but for conditions where data decide.
-// Its steps are those of the parts that send something; the others hear the same each time, and go
-// on by themselves (cycle_follow.cpp), as encoder counters do whose encoders move meanwhile.
-// Anything unusual (a line that changes, a step that the model computes) has no trace: such a cycle
-// is made clock by clock, as all are in a machine with faults.
+// A trace is worked out clock by clock, from the transitions that the caches know, on many values
+// at once, which show where every bit comes from. So it holds for all data, but for conditions
+// where data decide. Its steps are those of the parts that send something; the others hear the same
+// each time, and go on by themselves (cycle_follow.cpp), as encoder counters do whose encoders move
+// meanwhile. Anything unusual (a line that changes, a step that the model computes) has no trace:
+// such a cycle is made clock by clock, as all are in a machine with faults.
 #pragma once
 
-#include <map>
+#include <array>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "rack.h"
@@ -34,13 +35,23 @@ struct Term {
   uint32_t bits(const uint32_t *data) const {
     return (data[place] << left | data[place] >> (-left & 31)) & mask;
   }
-  bool operator==(const Term &other) const {
-    return place == other.place && left == other.left && mask == other.mask;
-  }
 };
 
-struct Word;
-class Words;
+struct Patterns {
+  static constexpr size_t kSets = 18;  // few patterns of so many bits are a bit's by chance
+  struct Origin {                      // a bit of data, or its inverse
+    Place place;
+    uint8_t bit;
+    bool known, inverted;
+  };
+  static bool constant(uint32_t pattern) { return pattern == 0 || pattern == (1u << kSets) - 1; }
+  // masks: the bits of each place that have a pattern.
+  explicit Patterns(std::vector<uint32_t> masks);
+
+  const std::vector<uint32_t> masks;
+  std::vector<std::array<uint32_t, kSets>> sets;                   // values of each place
+  std::vector<Origin> origins = std::vector<Origin>(1u << kSets);  // by pattern
+};
 
 struct Trace {
   static constexpr size_t kMostMoves = 128;
@@ -93,64 +104,32 @@ struct Trace {
   Trace *next = nullptr;  // from the same states, for other data
 };
 
-// Entries by their key, which is not 0. There is always an empty one.
-template <class T>
-class Table {
- public:
-  explicit Table(size_t size) : entries_(size) {}
-  T &operator[](uint64_t key) {
-    size_t n = key * 0x9E3779B97F4A7C15u >> 32;
-    const auto at = [&]() -> T & { return entries_[n % entries_.size()]; };
-    while (at().key != key && at().key != 0) ++n;
-    used_ += at().key == 0;
-    at().key = key;
-    return at();
-  }
-  bool full() const { return used_ > entries_.size() / 2; }
-
- private:
-  std::vector<T> entries_;
-  size_t used_ = 0;
-};
-
 class Rack::Cycles {
  public:
   explicit Cycles(Rack &rack);
   bool make(const BusRequest &request, BusReply *reply);
-  bool full() const { return requests_.full() || known_.full(); }
+  bool full() const { return requests_.size() + known_.size() > kMost; }
 
  private:
   class Tracer;
+  static constexpr size_t kMost = 1 << 13;
   struct Known {
-    uint64_t key = 0;
     Trace *trace = nullptr;
     unsigned sights = 0;  // for which no trace fitted
-  };
-  // By its address, modifier, strobes and direction: the parts that have steps.
-  struct Request {
-    uint64_t key = 0;
-    std::vector<Part *> parts{};
-  };
-  struct GlueBit {  // of an output of the glue
-    static constexpr int kConstant = -1, kMixed = -2;
-    int data;  // follows that bit of data
-    bool inverted;
   };
   template <class F>
   void for_parts(uint64_t parts, F f) {
     for (; parts; parts &= parts - 1) f(*rack_.parts_[static_cast<size_t>(__builtin_ctzll(parts))]);
   }
+  std::vector<uint32_t> masks() const;
   Trace *find(const BusRequest &request);
   std::unique_ptr<Trace> work_out(const BusRequest &request);
   Trace *learn(const BusRequest &request, uint64_t key);
-  uint64_t states(const Request &request) const;
+  uint64_t states(uint64_t key);
   bool fits(const Trace &trace) const;
   bool has_room(const Trace &trace) const;
-  const std::vector<GlueBit> &glue(const std::vector<uint32_t> &inputs, size_t data);
-  std::vector<Word> glue_outputs(Words &words);
   void values(const Trace &trace);
   void move(const Trace &trace);
-  void check(const Trace &trace, const BusRequest &request, BusReply *reply);
   // Parts that have no steps (cycle_follow.cpp).
   bool follow(Trace &trace);
   bool tell_card(const Trace &trace);
@@ -162,11 +141,11 @@ class Rack::Cycles {
   Rack &rack_;
   uint32_t *const data_;
   const size_t request_, reply_;  // places
-  std::vector<uint32_t> masks_;   // bits that each place has
-  Table<Request> requests_{1 << 12};
-  Table<Known> known_{1 << 14};
+  const Patterns patterns_;
+  // By address, modifier, strobes and direction: the parts that have steps; by these and states.
+  std::unordered_map<uint64_t, std::vector<Part *>> requests_;
+  std::unordered_map<uint64_t, Known> known_;
   std::vector<std::unique_ptr<Trace>> traces_;
-  std::map<std::vector<uint32_t>, std::vector<GlueBit>> glue_;  // by its inputs less the data
   std::vector<uint32_t> pending_;  // of each part: data outputs that were pending before a cycle
   uint32_t values_[Trace::kMostMoves];  // of the moves of a trace
   struct Moment {
@@ -176,7 +155,6 @@ class Rack::Cycles {
   std::vector<Moment> before_;         // of each part that went on: as it was when the cycle began
   size_t heard_ = 0;                   // moves of the own card and of events
   uint64_t followed_ = 0, moved_ = 0;  // these; with an encoder edge at this clock, by bit
-  unsigned hits_ = 0;
 };
 
 }  // namespace mmcs

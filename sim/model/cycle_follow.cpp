@@ -10,14 +10,13 @@ namespace mmcs {
 
 // A part that is not among the steps is at edge t. False: others would notice.
 bool Rack::Cycles::go_to(Part &part, int64_t t) {
-  if (!part.state()) return false;
   if (!(followed_ >> part.number & 1)) {
     followed_ |= uint64_t{1} << part.number;
     std::memcpy(before_[part.number].fields, part.fields(), sizeof before_[0].fields);
     before_[part.number].now = part.now();
   }
   while (part.due() <= t && !part.has_pending_outputs()) part.clock(part.due());
-  return part.state() && !part.has_pending_outputs();
+  return !part.has_pending_outputs();
 }
 
 // An encoder moves at the inputs of its card, and behind it at the encoder counter.

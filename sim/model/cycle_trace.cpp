@@ -1,34 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a trace is worked out: rack.cpp's way through a cycle, on the origin of data (cycle.h).
+// How a trace is worked out: rack.cpp's way through a cycle, on many values at once (cycle.h).
 // Length: parts, nets and time are one pass of one clock.
 
 #include <algorithm>
 
 #include "cycle.h"
-#include "cycle_words.h"
+#include "cycle_data.h"
 
 namespace mmcs {
 
 class Rack::Cycles::Tracer {
  public:
   explicit Tracer(Cycles &cycles)
-      : c_(cycles), r_(cycles.rack_), words_(cycles.data_, cycles.masks_) {
+      : c_(cycles), r_(cycles.rack_), data_(cycles.data_, cycles.patterns_) {
     for (const auto &part : r_.parts_) {
       part->catch_up(r_.clock_);
-      if (!part->state()) throw NoTrace{};
       uint32_t &pending = c_.pending_[part->number] |= part->pending_data();
       const uint64_t inputs = part->inputs();
       now_.push_back({part->state(), inputs, part->state()->outputs, pending});
       now_.back().states = {part->state()};
     }
     if (!r_.own_card_) return;
-    for (const int net : r_.card_.nets) card_.push_back(words_.own(at(net)));
+    for (const int net : r_.card_.nets) card_.push_back(data_.start(at(net)));
   }
 
   // The address; a clock later the strobes, until DTACK* is low; then all is released.
   void work_out(const BusRequest &q) {
     const auto put = [&](Port port, unsigned level) {
-      pin(port, port == kVmeD && q.write ? words_.own(c_.request_) : Word::of(level));
+      pin(port, port == kVmeD && q.write ? data_.start(c_.request_) : Values::of(level));
     };
     clock([&] { put_address(q.address, q.am, q.write, q.data, false, put); });
     if (dtack() == 0) throw NoTrace{};
@@ -47,7 +46,7 @@ class Rack::Cycles::Tracer {
   std::unique_ptr<Trace> trace = std::make_unique<Trace>();
 
  private:
-  static constexpr int kMostClocks = 64, kMostRounds = 1000;
+  static constexpr int kMostClocks = 64;
   struct Now {  // a part
     State *state;
     uint64_t inputs, sent;  // of control: inputs, outputs
@@ -62,11 +61,11 @@ class Rack::Cycles::Tracer {
     return part * kMostFields + static_cast<size_t>(field);
   }
   const uint32_t *fields(size_t part) {
-    for (size_t f = 0; f < kMostFields; ++f) fields_[f] = words_.value_of(part * kMostFields + f);
+    for (size_t f = 0; f < kMostFields; ++f) fields_[f] = data_.actual(part * kMostFields + f);
     return fields_;
   }
 
-  // --- parts: part.h on words ----------------------------------------------------------------
+  // --- parts: part.h on many values ----------------------------------------------------------
 
   // From now on it gets every clock, and those that it has not had.
   void activate(size_t n) {
@@ -75,16 +74,16 @@ class Rack::Cycles::Tracer {
     p.active = true;
     for (int t = in_clock_ ? 1 : 0; t < clocks_; ++t) step(n, &p.state->on_clock, true);
   }
-  void copy(size_t n, const Copy &c, const Word &from) {
+  void copy(size_t n, const Copy &c, const Values &from) {
     const DataField &field = r_.parts_[n]->model.fields()[c.to];
     const size_t to = place(n, c.to);
-    Word next = words_.word(to).moved(0, c.keep & field.mask);
-    next.constant ^= c.value & field.mask;
-    if (c.mask) next.add(from.moved(c.left, c.mask & field.mask));
-    if (next == words_.word(to)) return;
-    if (field.margin >= 0 && next.count != 0) throw NoTrace{};
-    if (words_.at(to).by && c.keep & field.mask) throw NoTrace{};
-    words_.at(to) = {next, 0, 0};
+    const auto [before, counted] = data_.at(to);
+    Values next;
+    for (size_t set = 0; set < next.size(); ++set)
+      next[set] = c.apply(before[set], from[set]) & field.mask;
+    if (next == before) return;
+    if ((field.margin >= 0 && next.varying()) || (counted && c.keep & field.mask)) throw NoTrace{};
+    data_.at(to) = {next, false};
     if (field.output) now_[n].pending |= 1u << c.to;
   }
   void step(size_t n, Transition **at, bool clock) {
@@ -93,7 +92,8 @@ class Rack::Cycles::Tracer {
     const Cache &cache = *part.cache;
     if (!*at) *at = part.learn_from(p.state, p.inputs, fields(n), clock, p.inputs, false);
     if ((*at)->decided) {
-      for (size_t f : cache.deciding()) words_.decided(words_.word(place(n, static_cast<int>(f))));
+      for (size_t f : cache.deciding())
+        data_.decided(data_.at(place(n, static_cast<int>(f))).values);
       const uint64_t values = cache.values(fields(n));
       at = &(*at)->cases;
       while (*at && (*at)->key != values) at = &(*at)->next;
@@ -101,14 +101,14 @@ class Rack::Cycles::Tracer {
     }
     const Transition &t = **at;
     if (!t.to) throw NoTrace{};
-    std::vector<Word> from;
+    std::vector<Values> from;
     for (const Copy &c : t.copies())
-      from.push_back(c.mask ? words_.copied(place(n, c.from)) : Word{});
-    const Word *next = from.data();
+      from.push_back(c.mask ? data_.copied(place(n, c.from)) : Values::of(0));
+    const Values *next = from.data();
     for (const Copy &c : t.copies()) copy(n, c, *next++);
-    for (const Count &c : t.counts()) words_.count(place(n, c.field), c.by, c.mask);
+    for (const Count &c : t.counts()) data_.count(place(n, c.field), c.by, c.mask);
     for (const Copy &c : t.feedthroughs()) {
-      if (p.changed >> c.from & 1) copy(n, c, words_.copied(place(n, c.from)));
+      if (p.changed >> c.from & 1) copy(n, c, data_.copied(place(n, c.from)));
     }
     p.state = t.to;
     p.states.push_back(p.state);
@@ -132,48 +132,46 @@ class Rack::Cycles::Tracer {
     Now &p = now_[n];
     unnoted_ &= ~(uint64_t{1} << n);
     const auto clock = static_cast<uint32_t>(clocks_);
-    Heard heard{{r_.parts_[n].get(), p.inputs, p.put, clock, 0}, {}};
+    heard_.push_back({{r_.parts_[n].get(), p.inputs, p.put, clock, 0}, {}});
     for (uint32_t rest = p.changed; rest; rest &= rest - 1) {
       const size_t at = place(n, __builtin_ctz(rest));
-      heard.data.emplace_back(at, words_.word(at));
+      heard_.back().data.emplace_back(at, data_.at(at).values);
     }
-    heard_.push_back(heard);
   }
   // An input of it, or some bits of one: of a data field, else of the control inputs.
-  void put(size_t n, int field, const Word &value, uint32_t mask) {
+  void put(size_t n, int field, const Values &value, uint32_t mask) {
     const size_t at = place(n, field);
-    Word next = words_.word(at).moved(0, ~mask);
-    next.add(value.moved(0, mask));
-    if (next == words_.word(at)) return;
+    Values next = data_.at(at).values;
+    next.put(value, mask);
+    if (next == data_.at(at).values) return;
     activate(n);
-    words_.at(at).word = next;
+    data_.at(at).values = next;
     now_[n].changed |= 1u << field;
     changed_ |= uint64_t{1} << n;
   }
   void put(size_t n, uint64_t bits, uint64_t mask) {
     Now &p = now_[n];
-    const uint64_t inputs = (p.inputs & ~mask) | (bits & mask), anew = mask & ~p.put;
+    const uint64_t inputs = (p.inputs & ~mask) | (bits & mask);
+    // Of a part that only listens, bits that are put for the first time may have been others.
+    if (mask & ~p.put) unnoted_ |= uint64_t{1} << n;
     p.put |= mask;
-    // Of a part that only listens, bits that are put for the first time may have been others
-    // before.
-    if (anew) unnoted_ |= uint64_t{1} << n;
     if (inputs == p.inputs) return;
     activate(n);
     p.inputs = inputs;
     changed_ |= uint64_t{1} << n;
   }
-  void put(const Part &part, int field, int shift, uint64_t mask, const Word &value, int width) {
+  void put(const Part &part, int field, int shift, uint64_t mask, const Values &value, int width) {
     if (field != kNoField) return put(part.number, field, value, low_bits(width));
-    put(part.number, uint64_t{words_.decided(value)} << shift, mask);
+    put(part.number, uint64_t{data_.decided(value)} << shift, mask);
   }
 
-  // --- nets: rack.cpp on words ---------------------------------------------------------------
+  // --- nets: rack.cpp on many values ---------------------------------------------------------
 
   size_t at(int net) const { return kFirstNet + 2 * r_.nets_.at(net, 0); }
-  bool put_net(int net, int lsb, int width, const Word &value) {
+  bool put_net(int net, int lsb, int width, const Values &value) {
     if (width > 32) throw NoTrace{};
-    if (value == words_.bits(at(net), lsb, width)) return false;
-    words_.put_bits(at(net), lsb, width, value);
+    if (value == data_.bits(at(net), lsb, width)) return false;
+    data_.put_bits(at(net), lsb, width, value);
     const bool command = net == r_.pc_bus_.nets[PcBus::kIor] || net == r_.pc_bus_.nets[PcBus::kIow];
     if (r_.pc_bus_.has_net[static_cast<size_t>(net)] && (command || selected_ || command_))
       bus_changed_ = true;
@@ -184,13 +182,12 @@ class Rack::Cycles::Tracer {
   }
   void update_input(const Wire &w, int net, int lsb) {
     const PartPort &port = *w.port;
-    put(*w.part, port.field, port.shift, port.mask, words_.bits(at(net), lsb, w.width), w.width);
+    put(*w.part, port.field, port.shift, port.mask, data_.bits(at(net), lsb, w.width), w.width);
   }
-  Word output(const Part &part, const PartPort &port) {
-    if (port.data)
-      return words_.copied(place(part.number, port.field)).moved(0, low_bits(port.width));
+  Values output(const Part &part, const PartPort &port) {
+    if (port.data) return data_.copied(place(part.number, port.field));
     const uint64_t outputs = now_[part.number].state->outputs;
-    return Word::of(static_cast<uint32_t>((outputs & port.mask) >> port.shift));
+    return Values::of(static_cast<uint32_t>((outputs & port.mask) >> port.shift));
   }
   void drive_net(const Wire &w) {
     if (!put_net(w.net, w.lsb, w.width, output(*w.part, *w.port))) return;
@@ -200,7 +197,7 @@ class Rack::Cycles::Tracer {
     now_[part.number].sends = true;
     if (port.width > 32) throw NoTrace{};
     if (port.wire) drive_net(*port.wire);
-    const Word value = output(part, port);
+    const Values value = output(part, port);
     for (const Link &l : port.links) put(*l.part, l.field, l.shift, l.mask, value, port.width);
   }
   void send_outputs(size_t n) {
@@ -224,10 +221,10 @@ class Rack::Cycles::Tracer {
     auto &bus = r_.pc_bus_;
     bus_changed_ = false;
     constexpr int kWidth[PcBus::kSignals] = {16, 1, 1, 1, 8};
-    Word values[PcBus::kSignals];
+    Values values[PcBus::kSignals];
     for (size_t n = 0; n < PcBus::kSignals; ++n)
-      values[n] = words_.bits(at(bus.nets[n]), 0, kWidth[n]);
-    const auto control = [&](int signal) { return words_.decided(values[signal]); };
+      values[n] = data_.bits(at(bus.nets[n]), 0, kWidth[n]);
+    const auto control = [&](int signal) { return data_.decided(values[signal]); };
     command_ = !(control(PcBus::kIor) && control(PcBus::kIow));
     uint32_t selected = 0;
     if (command_) {
@@ -240,14 +237,28 @@ class Rack::Cycles::Tracer {
     }
     selected_ = selected;
   }
-  void eval_glue() {
+  // Returns the data that the bus master reads.
+  Values eval_glue() {
     glue_changed_ = false;
-    const std::vector<Word> outputs = c_.glue_outputs(words_);
-    for (size_t n = 0; n < r_.glue_nets_.size(); ++n)
+    std::vector<Values> inputs, outputs(r_.glue_nets_.size());
+    for (const Wire *w : r_.glue_wires_) {
+      inputs.push_back(data_.bits(at(w->net), w->lsb, w->width));
+      if (!w->port->data) inputs.back() = Values::of(data_.decided(inputs.back()));
+    }
+    Values read;
+    for (size_t set = 0; set < read.size(); ++set) {
+      for (size_t n = 0; n < inputs.size(); ++n) r_.glue_wires_[n]->glue.put(inputs[n][set]);
+      r_.glue_.eval();
+      for (size_t n = 0; n < outputs.size(); ++n)
+        outputs[n][set] = static_cast<uint32_t>(r_.glue_nets_[n].first.get());
+      read[set] = static_cast<uint32_t>(r_.vme_data_.get());
+    }
+    for (size_t n = 0; n < outputs.size(); ++n)
       put_net(r_.glue_nets_[n].second, 0, r_.glue_nets_[n].first.width, outputs[n]);
+    return read;
   }
   void settle() {
-    for (int rounds = 0; rounds < kMostRounds; ++rounds) {
+    for (;;) {
       if (bus_changed_) {
         update_pc_bus();
       } else if (glue_changed_) {
@@ -263,7 +274,6 @@ class Rack::Cycles::Tracer {
         return;
       }
     }
-    throw NoTrace{};
   }
 
   // --- time ----------------------------------------------------------------------------------
@@ -287,34 +297,29 @@ class Rack::Cycles::Tracer {
   // Inputs of the own card that are others after this clock.
   void note_card() {
     for (size_t n = 0; n < card_.size(); ++n) {
-      const Word &now = words_.word(at(r_.card_.nets[n]));
+      const Values &now = data_.at(at(r_.card_.nets[n])).values;
       if (!r_.own_card_->has(n) || now == card_[n]) continue;
       card_[n] = now;
       trace->card.push_back({static_cast<uint32_t>(clocks_), static_cast<uint32_t>(n)});
-      add_move(at(r_.card_.nets[n]), now, true);
+      data_.add_move(at(r_.card_.nets[n]), now, true, trace.get());
     }
   }
-  void pin(Port port, const Word &value) {
+  void pin(Port port, const Values &value) {
     const Input &input = r_.inputs_[port];
     for (unsigned n = input.fields[0]; n < input.fields[1]; ++n) {
       const Arrival &to = input.arrivals[n];
       if (to.field != kNoField) {
-        put(to.part->number, to.field, value.moved(to.left, static_cast<uint32_t>(to.mask)),
-            static_cast<uint32_t>(to.mask));
+        put(to.part->number, to.field, value.rotated(to.left), static_cast<uint32_t>(to.mask));
       } else {
-        const uint64_t bits = words_.decided(value);
+        const uint64_t bits = data_.decided(value);
         put(to.part->number, bits << to.left | bits >> (-to.left & 63), to.mask);
       }
     }
   }
-  unsigned dtack() const {
-    const PartPort &port = *r_.dtack_->port;
-    return (now_[r_.dtack_->part->number].state->outputs & port.mask) != 0;
-  }
+  unsigned dtack() { return output(*r_.dtack_->part, *r_.dtack_->port).actual(); }
   void sample() {
     for (const Wire *w : r_.vme_data_wires_) drive_net(*w);
-    words_.at(c_.reply_).word = c_.glue_outputs(words_).back().moved(0, 0xFFFF);
-    if (glue_changed_) eval_glue();
+    data_.at(c_.reply_).values.put(eval_glue(), 0xFFFF);
   }
 
   // --- what becomes of it --------------------------------------------------------------------
@@ -333,52 +338,46 @@ class Rack::Cycles::Tracer {
       if (now_[heard.event.part->number].sends) continue;
       trace->events.push_back(heard.event);
       trace->events.back().moves = static_cast<uint32_t>(heard.data.size());
-      for (const auto &[at, word] : heard.data) add_move(at, word, true);
+      for (const auto &[at, values] : heard.data) data_.add_move(at, values, true, trace.get());
     }
-    for (const auto &[at, entry] : words_.all()) {
-      if (at < kFirstNet && !now_[at / kMostFields].sends) continue;
-      if (!(entry.word == words_.own(at))) add_move(at, entry.word, false);
-      if (entry.by) add_sum(at, entry);
+    for (const auto &[at, entry] : data_.all()) {
+      if ((at < kFirstNet && !now_[at / kMostFields].sends) || entry.values == data_.start(at))
+        continue;
+      if (entry.counted)
+        add_sum(at, entry.values);
+      else
+        data_.add_move(at, entry.values, false, trace.get());
+    }
+    for (const Term &t : trace->terms) {
+      if (t.place < kFirstNet && !now_[t.place / kMostFields].sends) throw NoTrace{};
     }
     if (trace->moves.size() > Trace::kMostMoves) throw NoTrace{};
-    trace->conditions = words_.conditions;
+    trace->conditions = data_.conditions;
   }
-  void add_sum(size_t at, const Words::Entry &sum) {
-    trace->sums.push_back({static_cast<Place>(at), sum.by, sum.mask});
-    const int margin = r_.parts_[at / kMostFields]->model.fields()[at % kMostFields].margin;
-    if (margin < 0) return;
+  void add_sum(size_t at, const Values &now) {
+    const DataField &field = r_.parts_[at / kMostFields]->model.fields()[at % kMostFields];
+    const Values before = data_.start(at);
+    const uint32_t by = (now.actual() - before.actual()) & field.mask;
+    for (size_t set = 0; set < now.size(); ++set) {
+      if (((now[set] - before[set]) & field.mask) != by) throw NoTrace{};
+    }
+    trace->sums.push_back({static_cast<Place>(at), by, field.mask});
+    if (field.margin < 0) return;
     const uint32_t slack = static_cast<uint32_t>(2 * clocks_ + 4);
-    trace->rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(margin) + slack,
-                            sum.mask - std::min(sum.mask, slack)});
-  }
-  void add_move(size_t at, const Word &word, bool of_event) {
-    Trace::Move move{static_cast<Place>(at), 0, 0, word.constant};
-    for (const Term &t : word) {
-      if (t.place == at && t.left == 0) {
-        move.keep = t.mask;
-        continue;
-      }
-      if (t.place < kFirstNet && !now_[t.place / kMostFields].sends) throw NoTrace{};
-      trace->terms.push_back(t);
-      ++move.terms;
-    }
-    if (move.terms == 0 && !of_event) {
-      trace->constants.push_back({move.to, move.keep, move.constant});
-    } else {
-      trace->moves.push_back(move);
-    }
+    trace->rooms.push_back({static_cast<Place>(at), static_cast<uint32_t>(field.margin) + slack,
+                            field.mask - std::min(field.mask, slack)});
   }
 
   Cycles &c_;
   Rack &r_;
-  Words words_;
+  CycleData data_;
   std::vector<Now> now_;  // of each part
   struct Heard {
     Trace::Event event;
-    std::vector<std::pair<size_t, Word>> data;
+    std::vector<std::pair<size_t, Values>> data;
   };
   std::vector<Heard> heard_;
-  std::vector<Word> card_;  // inputs of the own card, as it had them last
+  std::vector<Values> card_;  // inputs of the own card, as it had them last
   uint32_t fields_[kMostFields];
   int clocks_ = 0;
   bool in_clock_ = false;  // not all parts have had this one

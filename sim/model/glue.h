@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The combinational logic of rtl/mmcs.sv between its boards: mmcs.sv Verilated with empty boards.
+// Logic that the rack evaluates beside the parts: that of rtl/mmcs.sv between its boards, and the
+// address decoder of a card.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "board.h"
 
 namespace mmcs {
 
+// The combinational logic between boards: mmcs.sv Verilated with empty boards.
 class Glue {
  public:
   explicit Glue(VerilatedContext &context);
@@ -26,6 +30,31 @@ class Glue {
   struct Verilated;
   const VerilatedContext &context_;
   const std::unique_ptr<Verilated> model_;
+};
+
+// Which cards an address selects. The decoder of a card is Verilated by itself, and
+// evaluated once for each address; its answers are kept.
+class Decoder {
+ public:
+  Decoder();
+  ~Decoder();
+  // The selected cards, a bit each. The decoder's ports, by the names they have on the card; dips:
+  // each card's address switches.
+  uint32_t select(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n,
+                  const std::vector<unsigned> &dips);
+  void forget();  // switches have changed
+
+ private:
+  struct Verilated;
+  struct Entry {
+    uint32_t key = UINT32_MAX, cards = 0;
+    uint32_t switches = 0;  // number of the switch settings that it was computed for
+  };
+  bool selects(unsigned address, unsigned aen, unsigned ior_n, unsigned iow_n, unsigned dip);
+
+  const std::unique_ptr<Verilated> model_;
+  std::vector<Entry> known_;
+  uint32_t switches_ = 0;
 };
 
 }  // namespace mmcs

@@ -18,11 +18,6 @@ Part::Part(const BoardTable &table, size_t n, std::unique_ptr<Board> board,
   cache = *known;
 }
 
-void Part::run_always(bool always) {
-  cached_ = !always;
-  store();
-}
-
 void Part::choose_cache(const std::shared_ptr<Cache> &of_module) {
   cache =
       model.faulty() ? std::make_shared<Cache>(model.fields(), model.register_bytes()) : of_module;
@@ -53,13 +48,13 @@ void Part::step_slowly(Transition **at, bool clock) {
   }
   Transition *t = *at;
   if (!t->to) {
-    ++misses;
+    ++now_.misses;
     load();
     evaluate(clock);
     return store();
   }
-  ++(known ? hits : misses);
-  if (check && (hits + misses) % static_cast<unsigned>(check) == 0)
+  ++(known ? now_.hits : now_.misses);
+  if (check && (now_.hits + now_.misses) % static_cast<unsigned>(check) == 0)
     return compare_with_model(*t, clock);
   perform(*t);
 }
@@ -81,7 +76,7 @@ void Part::compare_with_model(const Transition &t, bool clock) {
 
 void Part::catch_up_slowly(int64_t t) {
   while (now_.last < t) {
-    const Transition *next = now_.state ? now_.state->on_clock : nullptr;
+    const Transition *next = now_.state->on_clock;
     if (!next || !next->to) {  // a clock that the model computes is not postponed
       now_.last = t;
     } else if (next->idle && changes_nothing(*next)) {
@@ -89,7 +84,7 @@ void Part::catch_up_slowly(int64_t t) {
       now_.last = t;
     } else {
       perform(*next);
-      ++hits;
+      ++now_.hits;
       ++now_.last;
     }
   }
@@ -159,7 +154,7 @@ void Part::go_back(const Now &now, const uint32_t *fields) {
 }
 
 void Part::go_to(State *state, uint32_t pending, int64_t t, size_t transitions) {
-  hits += transitions;
+  now_.hits += transitions;
   now_.state = state;
   now_.inputs = state->inputs;
   now_.outputs = now_.taken = state->outputs;

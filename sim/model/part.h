@@ -25,8 +25,6 @@ class Part {
        std::shared_ptr<Cache> *cache, VerilatedContext &context, uint32_t *fields);
   Part(const Part &) = delete;
 
-  // Its model is evaluated at every clock, without the cache; or no longer.
-  void run_always(bool always);
   // After a change of the model's faults: with a fault its transitions are others than those of its
   // module, and it has a cache of its own. written() must follow.
   void choose_cache(const std::shared_ptr<Cache> &of_module);
@@ -61,7 +59,7 @@ class Part {
   void catch_up(int64_t t) {
     if (now_.last >= t) return;
     if (!now_.idle) return catch_up_slowly(t);
-    if (now_.state && !now_.state->constant) count(*now_.state->on_clock, t - now_.last);
+    if (!now_.state->constant) count(*now_.state->on_clock, t - now_.last);
     now_.last = t;
   }
   // No clock came up to edge t.
@@ -79,18 +77,19 @@ class Part {
 
   // All that changes, but for the data fields.
   struct Now {
-    State *state = nullptr;  // null: only the model knows
+    State *state = nullptr;  // null: before power-on
     uint64_t inputs = 0;     // of control
     uint64_t outputs = 0;
-    uint64_t taken = 0;    // outputs, as take_outputs() saw them last
-    uint32_t changed = 0;  // data inputs that changed, by bit
-    uint32_t pending = 0;  // data outputs that changed since they were taken, by bit
-    int64_t last = 0;      // the edge of the last clock that was made
-    int64_t due = 0;       // see due()
-    bool idle = false;     // clocks do nothing but count, until an input changes or it is due
+    uint64_t taken = 0;             // outputs, as take_outputs() saw them last
+    uint32_t changed = 0;           // data inputs that changed, by bit
+    uint32_t pending = 0;           // data outputs that changed since they were taken, by bit
+    int64_t last = 0;               // the edge of the last clock that was made
+    int64_t due = 0;                // see due()
+    uint64_t hits = 0, misses = 0;  // steps from the cache; steps that the model was evaluated for
+    bool idle = false;  // clocks do nothing but count, until an input changes or it is due
   };
 
-  // For cycles as one step (cycle.h). The state, or null; observed outputs.
+  // For cycles as one step (cycle.h).
   State *state() const { return now_.state; }
   uint64_t inputs() const { return now_.inputs; }
   const uint32_t *fields() const { return fields_; }
@@ -137,8 +136,7 @@ class Part {
   size_t number = 0;       // among the parts
   uint64_t line_mask = 0;  // control outputs that Rack::run() ends at
   std::shared_ptr<Cache> cache;
-  int check = 0;                  // every so many hits are compared with the model; 0: none
-  uint64_t hits = 0, misses = 0;  // steps from the cache; steps that the model was evaluated for
+  int check = 0;  // every so many hits are compared with the model; 0: none
 
  private:
   // With the cache.
@@ -157,7 +155,6 @@ class Part {
   void count(const Transition &t, int64_t clocks);
   // With the model (part_learn.cpp).
   void evaluate(bool clock);
-  bool inputs_changed_uncached(int64_t t);
   Transition *learn(bool clock, uint64_t key, bool is_case);
   bool observe_step(int set, bool clock, uint32_t fixed, uint32_t valued, Observation *seen);
   State *state_of(const uint8_t *registers, bool is_case);
@@ -188,8 +185,7 @@ class Part {
   uint32_t *const fields_;
   uint64_t observed_ = 0;         // control outputs that other parts, nets or lines read, or Model
   uint32_t observed_fields_ = 0;  // the same of data
-  bool cached_ = true;
-  bool model_current_ = true;  // the model has the state
+  bool model_current_ = true;     // the model has the state
 };
 
 // What a transition does to the data fields.
@@ -231,14 +227,13 @@ inline void Part::perform(const Transition &t) {
 inline void Part::step(Transition **at, bool clock) {
   const Transition *t = *at;
   if (!t || !t->to || check != 0) return step_slowly(at, clock);
-  ++hits;
+  ++now_.hits;
   perform(*t);
 }
 
 inline void Part::plan() {
   now_.due = now_.last + 1;
   now_.idle = false;
-  if (!now_.state) return;
   const int silent = now_.state->silent_clocks;
   if (silent < 0) return plan_slowly();
   now_.due = now_.state->then_idle ? kNever : now_.due + silent;
@@ -246,7 +241,6 @@ inline void Part::plan() {
 }
 
 inline bool Part::inputs_changed(int64_t t) {
-  if (!now_.state) return inputs_changed_uncached(t);
   State *from = now_.state;
   if (now_.inputs == from->inputs) {
     const Transition *on_data = from->on_data;
@@ -279,12 +273,7 @@ inline void Part::count(const Transition &t, int64_t clocks) {
 inline void Part::clock(int64_t t) {
   catch_up(t - 1);
   now_.last = t;
-  if (now_.state) {
-    step(&now_.state->on_clock, true);
-  } else {
-    evaluate(true);
-    store();
-  }
+  step(&now_.state->on_clock, true);
   plan();
 }
 

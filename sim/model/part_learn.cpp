@@ -15,15 +15,6 @@ void Part::evaluate(bool clock) {
   }
 }
 
-bool Part::inputs_changed_uncached(int64_t t) {
-  catch_up(t);
-  evaluate(false);
-  now_.changed = 0;
-  store();
-  plan();
-  return true;
-}
-
 void Part::load() {
   if (!model_current_ && now_.state)
     model.write(now_.state->registers(), fields_, now_.state->inputs);
@@ -40,9 +31,7 @@ void Part::store() {
     if (fields[f].output && fields_[f] != before[f]) now_.pending |= 1u << f;
   }
   model_current_ = true;
-  now_.state = cached_
-                   ? cache->make(registers, cache->counters(fields_), model.inputs(), now_.outputs)
-                   : nullptr;
+  now_.state = cache->make(registers, cache->counters(fields_), model.inputs(), now_.outputs);
 }
 
 // The state with these registers and the inputs and data fields as they are; is_case: its outputs
@@ -137,17 +126,14 @@ Transition *Part::learn(bool clock, uint64_t key, bool is_case) {
 
 Transition *Part::learn_from(State *state, uint64_t inputs, const uint32_t *fields, bool clock,
                              uint64_t key, bool is_case) {
-  State *const own_state = now_.state;
-  const uint64_t own_inputs = now_.inputs;
+  const Now now = now_;
   uint32_t own[kMostFields];
   std::memcpy(own, fields_, sizeof own);
   std::memcpy(fields_, fields, sizeof own);
   now_.state = state;
   now_.inputs = inputs;
   Transition *t = learn(clock, key, is_case);
-  now_.state = own_state;
-  now_.inputs = own_inputs;
-  std::memcpy(fields_, own, sizeof own);
+  go_back(now, own);
   return t;
 }
 

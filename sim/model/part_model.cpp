@@ -227,29 +227,17 @@ void PartModel::registers_written() {
   apply_held_bits();
 }
 
-void PartModel::hold(const HeldBits &bits) {
-  const auto same = [&bits](const HeldBits &h) { return h.place == bits.place; };
-  held_.erase(std::remove_if(held_.begin(), held_.end(), same), held_.end());
-  if (bits.clear || bits.set) held_.push_back(bits);
-}
-
-void PartModel::apply_held_bits() {
-  bool changed = false;
-  for (const HeldBits &h : held_) {
-    const Net &net = h.place->net;
-    const uint64_t before = net.get(), after = (before & ~h.clear) | h.set;
-    changed = changed || before != after;
-    net.put(after);
-  }
-  if (changed) board->settle();
-}
-
-// Those of fields that are held.
 void PartModel::hold_fields(uint32_t *fields) const {
-  for (const HeldBits &h : held_) {
-    if (h.place->field == kNoField) continue;
-    uint32_t &field = fields[h.place->field];
-    field = static_cast<uint32_t>((field & ~h.clear) | h.set);
+  if (!held_.any()) return;
+  for (const bool back : {false, true}) {
+    for (const auto &place : places_) {
+      if (place->field == kNoField) continue;
+      if (back)
+        fields[place->field] = static_cast<uint32_t>(place->net.get());
+      else
+        place->net.put(fields[place->field]);
+    }
+    held_.apply();
   }
 }
 

@@ -4,7 +4,6 @@
 //
 //   Link, PartPort     a port, and the inputs of other parts that it drives
 //   RegisterPlace      where a register is: in the model, and in the state or the data fields
-//   HeldBits           bits of a register that a fault holds
 #pragma once
 
 #include <cstdint>
@@ -51,11 +50,6 @@ struct RegisterPlace {
   int at;     // of control: its first byte in State::registers()
 };
 
-struct HeldBits {
-  RegisterPlace *place;
-  uint64_t clear, set;
-};
-
 class PartModel {
  public:
   PartModel(const BoardTable &table, size_t n, std::unique_ptr<Board> model,
@@ -78,7 +72,11 @@ class PartModel {
   // A register, of a part in this state.
   uint64_t read(const RegisterPlace &place, const uint8_t *registers, const uint32_t *fields) const;
 
-  void hold(const HeldBits &bits);  // from now on; none: the register is free
+  // A fault holds bits of a register; none: it is free.
+  void hold(const RegisterPlace &place, uint64_t zeros, uint64_t ones) {
+    held_.hold(place.net, zeros, ones);
+  }
+  // These values of data, with the bits of them that are held.
   void hold_fields(uint32_t *fields) const;
 
   // While all of these control outputs are 1, this data output is not observed.
@@ -96,7 +94,7 @@ class PartModel {
     return fields;
   }
   // A fault changes what its transitions are.
-  bool faulty() const { return !held_.empty() || never_ignored_; }
+  bool faulty() const { return held_.any() || never_ignored_; }
 
   const std::vector<std::unique_ptr<PartPort>> &ports() const { return ports_; }
   const PartPort &port_at(int bit) const { return *by_output_bit_[bit]; }
@@ -118,7 +116,9 @@ class PartModel {
   void add_register(size_t row_number, const RegisterRow &row, Net net);
   void add_port(const PartRow &own, const PortRow &row, Net net);
   void write_inputs(const uint32_t *fields, uint64_t inputs);
-  void apply_held_bits();
+  void apply_held_bits() {
+    if (held_.apply()) board->settle();
+  }
 
   const std::string module_;
   std::vector<DataField> fields_;
@@ -128,7 +128,7 @@ class PartModel {
   std::vector<RegisterPlace *> by_row_;  // of BoardTable::registers
   std::vector<Slice> slices_;
   std::vector<std::pair<Net, bool>> deciding_;  // nets at which data decide, and at which level
-  std::vector<HeldBits> held_;
+  HeldBits held_;
   std::vector<std::pair<uint64_t, uint32_t>> ignored_;  // control outputs; data outputs
   bool never_ignored_ = false;
   size_t register_bytes_ = 0;

@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace mmcs {
@@ -122,10 +121,6 @@ class Pins {
   // What the bus master reads of D15..D00 through lines that are held.
   unsigned vme_data(unsigned data) const { return static_cast<unsigned>(through(kVmeD, data)); }
 
-  // Which of the three it would move.
-  unsigned moves(int axis, unsigned pins) const {
-    return encoders_[static_cast<size_t>(axis)] ^ pins;
-  }
   // A cycle of the bus master is over that was made as one step.
   void had_cycle(unsigned address, unsigned am, unsigned data);
   bool faulty() const { return faulty_; }  // a fault stands that is made here
@@ -142,19 +137,14 @@ class Pins {
   void restore(const std::vector<uint64_t> &state);
 
  private:
-  struct PortChange {
-    Port port;
-    int lsb, width;
+  struct Change {
+    Pin pin;        // of a fault
+    Port port;      // that changes; kPorts: a fault
+    int at, width;  // bits of the port; of a fault its index
     uint64_t value;
   };
-  struct FaultChange {
-    Pin pin;
-    int index;
-    uint64_t value;
-  };
-  using Change = std::variant<PortChange, FaultChange>;
   void later(Port port, int lsb, int width, uint64_t value) {
-    later(PortChange{port, lsb, width, value});
+    later({Pin::kCount, port, lsb, width, value});
   }
   void later(const Change &change) {
     changes_.push_back(change);
@@ -163,8 +153,8 @@ class Pins {
   // Of the wires of an encoder those that move.
   template <class F>
   void for_moved(int axis, unsigned pins, F f) {
-    unsigned &before = encoders_[static_cast<size_t>(axis)];
-    const unsigned moved = before ^ pins;
+    uint64_t &before = encoders_[static_cast<size_t>(axis)];
+    const uint64_t moved = before ^ pins;
     before = pins;
     for (unsigned n = 0; n < 3; ++n) {
       if (moved >> n & 1) f(kEncA + static_cast<int>(n), pins >> n & 1);
@@ -183,12 +173,10 @@ class Pins {
   }
   void put(int port, int lsb, int width, uint64_t value);
   void fault(Pin pin, int index, uint64_t value);
+  void apply_fault(Pin pin, int index);
   uint64_t &standing(Pin pin, int index);
   uint64_t standing(Pin pin) const;
   void hold(Port port, uint64_t low, uint64_t high);
-  void hold_control();
-  void hold_pc(Pin low, const char *out, const char *in);
-  void hold_pc_control();
   uint64_t through(int port, uint64_t value) const {
     return port < kVmeSysreset ? (value & ~low_[port]) | high_[port] : value;
   }
@@ -200,7 +188,7 @@ class Pins {
   uint64_t driven_[kVmeSysreset] = {};  // VME ports, with changes that are on their way
   uint64_t free_[kVmeSysreset] = {};    // as they are if no line is held
   uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
-  std::vector<unsigned> encoders_;        // of each axis: as set_encoder() set them last
+  std::vector<uint64_t> encoders_;        // of each axis: as set_encoder() set them last
   std::vector<uint64_t> levels_[kPorts];  // as they are, 64 bits a word
   std::vector<uint64_t> faults_;          // by pin, then index: as they are
   bool faulty_ = false;                   // any of them

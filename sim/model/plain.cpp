@@ -164,16 +164,6 @@ void Plain::clock_once() {
   look_at_lines();
 }
 
-void Plain::apply_held_bits() {
-  bool changed = false;
-  for (const HeldBits &p : held_bits_) {
-    const uint64_t before = p.net.get(), after = (before & ~p.clear) | p.set;
-    changed = changed || before != after;
-    p.net.put(after);
-  }
-  if (changed) written();
-}
-
 // What follows from registers that were written: nets, and what these clear.
 void Plain::written() {
   board_->settle();
@@ -224,12 +214,10 @@ void Plain::look_for_errors() {
 }
 
 int16_t Plain::drive(int axis) const {
-  if (cuts_.count({kWires.boards[static_cast<size_t>(axis) / 2 + 1].path, "drive_v_o"})) return 0;
   return static_cast<int16_t>(bits_of(drive_, 16 * axis, 16));
 }
 
 unsigned Plain::leds(int card) const {
-  if (cuts_.count({kWires.boards[static_cast<size_t>(card) + 1].path, "leds_o"})) return 0;
   return static_cast<unsigned>(bits_of(leds_, 11 * card, 11));
 }
 
@@ -248,31 +236,15 @@ void Plain::put(Port port, int lsb, int width, uint64_t value) {
   part.put((part.get() & ~mask) | (value << lsb % 8 & mask));
 }
 
-// Wires inside are cut by Verilator's own means (registers.vlt), those that leave outside.
+// By Verilator's own means (plain.vlt).
 void Plain::cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) {
-  const Net enable = find_net(*context_, scope_of(kTop, board), std::string(port) + "__VforceEn");
-  if (!enable) {
-    if (mask) {
-      cuts_[{board, port}] = value;
-    } else {
-      cuts_.erase({board, port});
-    }
-    return;
-  }
   find(board, std::string(port) + "__VforceVal").put(value);
-  enable.put(mask);
+  find(board, std::string(port) + "__VforceEn").put(mask);
 }
 
 void Plain::stick(const std::string &reg, uint64_t clear, uint64_t set) {
-  const Net net = nets_[static_cast<size_t>(find_register(reg))];
-  for (size_t n = 0; n < held_bits_.size(); ++n) {
-    if (held_bits_[n].net.at == net.at)
-      held_bits_.erase(held_bits_.begin() + static_cast<std::ptrdiff_t>(n--));
-  }
-  if (!clear && !set) return;
-  held_bits_.push_back({net, clear, set});
-  net.put((net.get() & ~clear) | set);
-  written();
+  held_bits_.hold(nets_[static_cast<size_t>(find_register(reg))], clear, set);
+  apply_held_bits();
 }
 
 void Plain::upset(int reg, uint64_t bits) {
@@ -330,5 +302,11 @@ bool Plain::trace(const std::string &path) {
   return false;
 #endif
 }
+
+#if MMCS_TRACE
+std::unique_ptr<Model> Model::create(bool, uint64_t seed, const std::string &card) {
+  return std::make_unique<Plain>(seed, card);
+}
+#endif
 
 }  // namespace mmcs

@@ -3,7 +3,6 @@
 // and bus checkers, and in trace builds waveforms.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -44,7 +43,9 @@ class Plain : public Model {
   void put_back(const Saved &state) override;
   void follow_card() override { exchange(true); }
   void exchange(bool card_changed);
-  void apply_held_bits();
+  void apply_held_bits() {
+    if (held_bits_.apply()) written();
+  }
   void written();
   void look_for_errors();
   // A variable below the top, or a port of it.
@@ -63,12 +64,7 @@ class Plain : public Model {
   std::vector<Net> nets_;      // of registers()
   std::vector<Net> checkers_;  // what forces the reset of each
   std::vector<std::pair<Net, int>> line_nets_;
-  struct HeldBits {
-    Net net;
-    uint64_t clear, set;
-  };
-  std::vector<HeldBits> held_bits_;
-  std::map<std::pair<std::string, std::string>, uint64_t> cuts_;  // of what leaves the machine
+  HeldBits held_bits_;
 #if MMCS_TRACE
   std::unique_ptr<Waves> waves_;
 #endif

@@ -30,7 +30,7 @@ Reserve &reserve() {
 }  // namespace
 
 Rack::Rack(bool skip, uint64_t seed, const std::string &card)
-    : context_(create_context(seed)), skip_(skip), nets_(*this, &data_[kFirstNet]) {
+    : context_(create_context(seed)), skip_(skip), nets_(&data_[kFirstNet]) {
   open_card(card);
   if (!own_card_) {  // which observes outputs that nothing else does; a cache knows which are
     const std::lock_guard<std::mutex> lock(reserve().mutex);
@@ -55,7 +55,8 @@ Rack::~Rack() {
 
 // --- nets ------------------------------------------------------------------------------------
 
-void Rack::changed(int net, int lsb, int width) {
+void Rack::put_net(int net, int lsb, int width, uint64_t value) {
+  if (!nets_.put(net, lsb, width, value)) return;
   const size_t n = static_cast<size_t>(net);
   // Without a command no card is selected, and data and addresses do not matter.
   const bool command = net == pc_bus_.nets[PcBus::kIor] || net == pc_bus_.nets[PcBus::kIow];
@@ -78,7 +79,7 @@ void Rack::drive_net(Wire &wire) {
     wire.glue.put(value);
     glue_changed_ = true;
   }
-  nets_.put(wire.net, wire.lsb, wire.width, value);
+  put_net(wire.net, wire.lsb, wire.width, value);
 }
 
 void Rack::eval_glue() {
@@ -88,7 +89,7 @@ void Rack::eval_glue() {
     glue_stale_ = false;
   }
   glue_.eval();
-  for (const auto &[from, to] : glue_nets_) nets_.put(to, 0, from.width, from.get());
+  for (const auto &[from, to] : glue_nets_) put_net(to, 0, from.width, from.get());
 }
 
 // Inputs of the own card, which stands last: all else is settled.
@@ -108,7 +109,7 @@ void Rack::send_card() {
   glue_.put_card(card.output(OwnCard::kData), card.output(OwnCard::kDataOe) != 0,
                  card.output(OwnCard::kIrq));
   glue_changed_ = true;
-  nets_.put(card_.wait, 0, 1, card.output(OwnCard::kWait));
+  put_net(card_.wait, 0, 1, card.output(OwnCard::kWait));
 }
 
 // Observed outputs of a part that have changed go to other parts and to nets.
@@ -208,7 +209,7 @@ int64_t Rack::first_due() {
 }
 
 void Rack::step(int64_t t) {
-  uint64_t due = skip_ && !power_on_ ? schedule_.due(t) : all_parts_;
+  uint64_t due = skip_ ? schedule_.due(t) : all_parts_;
   if (stopped_) due = 0;
   clock_ = t;
   ++evals_;
@@ -268,7 +269,7 @@ Stop Rack::run(int64_t n, int dtack, int64_t *ran) {
   const unsigned wanted = static_cast<unsigned>(dtack);
   // A level that DTACK* has already ends the run after the first clock, if it still has it then.
   const bool has_level = dtack >= 0 && dtack_level() == wanted;
-  if ((++runs_ & 1023) == 0 && !keep_caches_) {
+  if ((++runs_ & 1023) == 0) {
     for (const auto &part : parts_) {
       if (part->cache->full()) forget(*part->cache);
     }
@@ -320,8 +321,7 @@ void Rack::forget(Cache &cache) {
 void Rack::power_on() {
   clock_ = -kResetClks;
   const int reset = Nets::find("rst_ni"), clk = Nets::find("clk_i");
-  nets_.put(clk, 0, 1, 1);
-  for (const auto &part : parts_) part->run_always(true);
+  put_net(clk, 0, 1, 1);
   pins_.power_on();
   pins_.set(Pin::kSysreset, 0, 1);
   pins_.apply();
@@ -334,20 +334,15 @@ void Rack::power_on() {
   }
   if (own_card_) send_card();
   Rack::follow_card();
-  power_on_ = true;
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) {
-      nets_.put(reset, 0, 1, 1);
+      put_net(reset, 0, 1, 1);
       settle();
     }
     if (i == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
     step(clock_ + 1);
   }
-  power_on_ = false;
   evals_ = 0;
-  if (skip_) {
-    for (const auto &part : parts_) part->run_always(false);
-  }
 }
 
 }  // namespace mmcs

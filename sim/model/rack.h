@@ -22,7 +22,6 @@
 #include <string>
 #include <vector>
 
-#include "decoder.h"
 #include "glue.h"
 #include "model.h"
 #include "part.h"
@@ -45,7 +44,7 @@ struct Wire {
   uint64_t value() const { return through(get()); }
 };
 
-class Rack : public Model, private Listener {
+class Rack : public Model {
  public:
   Rack(bool skip, uint64_t seed, const std::string &card);
   // The models take their names out of the context of the thread, which may be another machine's.
@@ -84,6 +83,15 @@ class Rack : public Model, private Listener {
 
  private:
   class Cycles;
+  struct Watched {
+    Part *part;
+    Net net;
+    uint32_t seen = 0;
+    uint32_t get() const {
+      part->load();
+      return static_cast<uint32_t>(net.get());
+    }
+  };
   // How it is wired (rack_wire.cpp).
   void add_parts(const BoardInfo &board);
   void wire();
@@ -106,7 +114,7 @@ class Rack : public Model, private Listener {
   }
 
   // Nets and time (rack.cpp).
-  void changed(int net, int lsb, int width) override;
+  void put_net(int net, int lsb, int width, uint64_t value);
   void drive_net(Wire &wire);
   void update_input(Wire &wire);
   void send_outputs(Part &part);
@@ -144,7 +152,7 @@ class Rack : public Model, private Listener {
   const std::shared_ptr<Cache> &cache_of(const Part &part) { return caches_[part.model.module()]; }
   RegisterPlace &find(int reg, Part **part);
   void written(Part &part);
-  Net find_watched(const std::string &name);
+  Watched find_watched(const std::string &name);
   void compare_watched();
 
   const bool skip_;
@@ -219,21 +227,16 @@ class Rack : public Model, private Listener {
   Schedule schedule_;
   uint64_t changed_inputs_ = 0, all_parts_ = 0;
   uint64_t runs_ = 0;
-  bool power_on_ = false;    // every clock of every part is made
   bool stop_lines_ = false;  // lines changed a clock ago
 
   const Wire *dtack_ = nullptr, *iackout_ = nullptr, *d_oe_ = nullptr, *alive_ = nullptr;
   std::vector<const Wire *> drives_, leds_;               // of each card
   std::vector<std::pair<const Wire *, int>> line_wires_;  // with their lowest bit in lines()
-  struct Watched {
-    Net net;
-    uint32_t seen;
-  };
   std::vector<Watched> watched_;
 
   std::unique_ptr<Cycles> cycles_;  // bus cycles as one step; null: none yet
-  bool keep_caches_ = false;        // none is emptied
   int check_ = 0;                   // every so many of them are compared with their clocks
+  unsigned checked_ = 0;
 };
 
 }  // namespace mmcs

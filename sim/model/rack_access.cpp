@@ -68,8 +68,8 @@ std::vector<CacheFigures> Rack::cache_figures() const {
     found.push_back({module, 0, 0, cache->states(), cache->bytes()});
     for (const auto &part : parts_) {
       if (part->cache != cache) continue;
-      found.back().hits += part->hits;
-      found.back().misses += part->misses;
+      found.back().hits += part->now().hits;
+      found.back().misses += part->now().misses;
     }
   }
   return found;
@@ -95,7 +95,7 @@ void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   RegisterPlace &place = find(find_register(reg), &part);
   part->catch_up(clock_);
   part->load();
-  part->model.hold({&place, clear, set});
+  part->model.hold(place, clear, set);
   part->choose_cache(cache_of(*part));
   place.net.put((place.net.get() & ~clear) | set);
   written(*part);
@@ -121,50 +121,46 @@ void Rack::upset(int reg, uint64_t bits) {
 
 // A register, or a port of a board or of one of its chips; but not a port of a card on the PC bus,
 // which keeps an old value while the card is not selected.
-Net Rack::find_watched(const std::string &name) {
-  Part *part;
-  if (const int reg = find_register(name); reg >= 0) return find(reg, &part).net;
+Rack::Watched Rack::find_watched(const std::string &name) {
+  Watched found{};
+  if (const int reg = find_register(name); reg >= 0) {
+    found.net = find(reg, &found.part).net;
+    return found;
+  }
   for (size_t n = 0; n < kWires.boards.size(); ++n) {
     const std::string board = std::string(kWires.boards[n].path) + ".";
     if (name.compare(0, board.size(), board) != 0) continue;
-    const std::string inner = name.substr(board.size());
-    const size_t dot = inner.rfind('.');
-    const std::string path = dot == std::string::npos ? "" : inner.substr(0, dot);
+    const size_t dot = name.rfind('.');
+    const std::string path = name.substr(0, dot + 1), port = name.substr(dot + 1);
     const BoardTable &table = board_table(kWires.boards[n].module);
-    const std::string port = dot == std::string::npos ? inner : inner.substr(dot + 1);
-    for (const auto &input : pc_bus_.cards[n ? n - 1 : 0]) {
-      if (n && path.empty() && port == input.wire->name) return {};
+    for (size_t chip = 1; chip < table.parts.size(); ++chip) {
+      Part *part = parts_[board_begin_[n] + chip].get();
+      if (path == board + table.parts[chip].path + ".")
+        return {part, part->model.board->port(port)};
     }
-    if (path.empty()) {
-      Net found;
-      const auto at_port = [&port](const NetRow &row) { return port == row.port; };
-      const auto row = std::find_if(table.nets.begin(), table.nets.end(), at_port);
-      if (row == table.nets.end()) return {};
-      for_ports(n, row->net, [&](Part &, PartPort &at) {
-        if (!found || at.output) found = at.net;
-      });
-      return found;
-    }
-    for (size_t u = 1; u < table.parts.size(); ++u) {
-      if (path == table.parts[u].path) return parts_[board_begin_[n] + u]->model.board->port(port);
-    }
+    const auto is_port = [&port](const auto &row) { return port == row.port; };
+    const auto row = std::find_if(table.nets.begin(), table.nets.end(), is_port);
+    if (path != board || row == table.nets.end()) return {};
+    for_ports(n, row->net, [&](Part &part, PartPort &at) {
+      if ((!found.net || at.output) && !at.row->selected) found = {&part, at.net};
+    });
   }
-  return {};
+  return found;
 }
 
 int Rack::watch(const std::string &name) {
-  const Net net = find_watched(name);
-  if (skip_ || !net || net.bytes > 4) return -1;
+  Watched net = find_watched(name);
+  if (skip_ || !net.net || net.net.bytes > 4) return -1;
   const int number = static_cast<int>(watched_.size());
-  const uint32_t value = static_cast<uint32_t>(net.get());
-  watched_.push_back({net, value});
-  changes_.push_back({clock_, number, value});
+  net.seen = net.get();
+  watched_.push_back(net);
+  changes_.push_back({clock_, number, net.seen});
   return number;
 }
 
 void Rack::compare_watched() {
   for (size_t n = 0; n < watched_.size(); ++n) {
-    const uint32_t value = static_cast<uint32_t>(watched_[n].net.get());
+    const uint32_t value = watched_[n].get();
     if (value == watched_[n].seen) continue;
     watched_[n].seen = value;
     changes_.push_back({clock_, static_cast<int>(n), value});

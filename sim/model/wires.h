@@ -38,23 +38,13 @@ inline std::string scope_of(const std::string &top, const std::string &path) {
   return top + (path.rfind("g_card", 0) == 0 ? ".u_cards." : ".") + path;
 }
 
-// Is called when bits of a net change.
-class Listener {
- public:
-  virtual void changed(int net, int lsb, int width) = 0;
-
- protected:
-  ~Listener() = default;
-};
-
 // Is read and written as two halves, too.
 using NetWord [[gnu::may_alias]] = uint64_t;
 
 class Nets {
  public:
   // bits: of words(), all 0.
-  Nets(Listener &listener, uint32_t *bits)
-      : listener_(listener), bits_(reinterpret_cast<NetWord *>(bits)) {
+  explicit Nets(uint32_t *bits) : bits_(reinterpret_cast<NetWord *>(bits)) {
     size_t words = 0;
     for (const NetInfo &net : kWires.nets) {
       at_.push_back(words);
@@ -87,23 +77,23 @@ class Nets {
     return width == 64 ? value : value & ((uint64_t{1} << width) - 1);
   }
 
-  void put(int net, int lsb, int width, uint64_t value) {
+  // True: it changes.
+  bool put(int net, int lsb, int width, uint64_t value) {
     const uint64_t mask = width == 64 ? ~uint64_t{0} : (uint64_t{1} << width) - 1;
     value &= mask;
-    if (get(net, lsb, width) == value) return;
+    if (get(net, lsb, width) == value) return false;
     NetWord *word = &bits_[at(net, lsb)];
     const int shift = lsb % 64;
     word[0] = (word[0] & ~(mask << shift)) | value << shift;
     if (shift + width > 64) {
       word[1] = (word[1] & ~(mask >> (64 - shift))) | value >> (64 - shift);
     }
-    listener_.changed(net, lsb, width);
+    return true;
   }
 
  private:
   static size_t words_of(const NetInfo &net) { return static_cast<size_t>(net.width) / 64 + 2; }
 
-  Listener &listener_;
   std::vector<size_t> at_;  // a net's first word
   NetWord *const bits_;
 };
