@@ -87,7 +87,8 @@ def serve(scenario: str, realtime: bool, speed: float | None, lockstep: bool, na
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) != signal.SIG_IGN:  # as under nohup
                 signal.signal(number, stop)
-        echo(f"serving {scenario} as {name}; run programs with: mmcs exec -- PROGRAM")
+        dev = "" if name == "mc0" else f"--dev {name} "
+        echo(f"serving {scenario} as {name}; run programs with: mmcs exec {dev}-- PROGRAM")
         try:
             server.run()
         finally:
