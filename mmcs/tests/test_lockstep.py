@@ -45,6 +45,8 @@ def test_every_wait_takes_its_time_of_the_machine(tmp_path):
         (1, 2000), (1, 2000), (1, 2000), (1, 2000), (1, 2000), (1, 2000), (0, 6000),
         (110, 1000), (110, 1000), (0, 900), (0, 2000), (110, 1000), (-1, 1000),
         (-1, 2000), (-1, 0), (1, 2000), (1, 2000), (-1, 1000), (1, 1000),
+        (2000, 0), (2_000_000, 0), (2_000_000, 0), (0, 0),
+        (600, 0), (2600, 0), (0, 0), (-1, 0), (0, 0), (1, 0), (35, 0),
     ]  # fmt: skip
     assert "runs out 3" in said
     for got, want in zip(took, expected, strict=True):
@@ -52,10 +54,12 @@ def test_every_wait_takes_its_time_of_the_machine(tmp_path):
 
 
 PAIR = """
-import os, signal, sys, time
+import os, select, signal, sys, time
 import mmcs
 from mmcs import mcdef as mc
-said = []
+said, ends = [], os.pipe()
+[os.set_blocking(end, False) for end in ends]
+signal.set_wakeup_fd(ends[1])
 signal.signal(signal.SIGUSR1, lambda *_: said.append(round(time.monotonic(), 6)))
 name = sys.argv[1] if len(sys.argv) > 1 else "a"
 with mmcs.Device() as dev:
@@ -72,6 +76,7 @@ with mmcs.Device() as dev:
             dev.set_param(0, {**dev.get_param(0), "mode": mc.MD_VEL | mc.POSCHK | mc.SOFTERR,
                               "plo": 5, "phi": 9})
             dev.enable()
+            select.select(ends[:1], [], [])  # until the signal comes
 print(name, said)
 if name == "a":
     os.wait()
@@ -230,7 +235,10 @@ def example(path):
     ("import select; BEGUN; select.select([0], [], [])", "waits for the outside world"),
     ("import socket; s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); BEGUN; s.accept()",
      "waits for the outside world"),
+    ("import os; r, w = os.pipe(); BEGUN; os.wait() if os.fork() else (os.close(w), os.read(r, 1))",
+     "waits for the outside world"),
     ("BEGUN\nwhile True: pass", "without a call that waits"),
+    ("import mmcs; d = mmcs.Device(); BEGUN\nwhile 1: d.write([0])", "without a call that waits"),
 ])  # fmt: skip
 def test_who_never_waits_for_the_machine_is_told_of(text, why, tmp_path):
     here, there = os.pipe()  # that nobody attached has

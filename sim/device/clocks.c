@@ -14,6 +14,15 @@
 
 /* --- clocks ---------------------------------------------------------------------------- */
 
+struct timespec lock_span(uint64_t ns) {
+  return (struct timespec){(time_t)(ns / SECOND), (long)(ns % SECOND)};
+}
+
+uint64_t lock_ns(const struct timespec *span) {
+  if (span->tv_sec > INT32_MAX) return WIRE_NEVER - 1;
+  return (uint64_t)span->tv_sec * SECOND + (uint64_t)span->tv_nsec;
+}
+
 int clock_gettime(clockid_t clock, struct timespec *at) {
   uint64_t now;
   int real = clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE || clock == CLOCK_TAI;
@@ -122,17 +131,27 @@ void lock_forget_timers(void) {
   for (struct timer *t = timers; t < timers + TIMERS; t++) t->first = 0;
 }
 
+void lock_forget_file(int file) {
+  struct timer *t = timer_of_file(file);
+  if (t != NULL) *t = (struct timer){0};
+}
+
 int setitimer(__itimer_which_t which, const struct itimerval *to, struct itimerval *before) {
   struct itimerspec at = {0}, left = {0};
   if (!lock_on() || which != ITIMER_REAL) return REAL(setitimer)(which, to, before);
-  TIMEVAL_TO_TIMESPEC(&to->it_value, &at.it_value);
-  TIMEVAL_TO_TIMESPEC(&to->it_interval, &at.it_interval);
-  if (set(timers, 0, &at, &left) < 0) return -1;
+  if (to != NULL) TIMEVAL_TO_TIMESPEC(&to->it_value, &at.it_value);
+  if (to != NULL) TIMEVAL_TO_TIMESPEC(&to->it_interval, &at.it_interval);
+  if (set(timers, 0, to != NULL ? &at : NULL, &left) < 0) return -1;
   if (before != NULL) {
     TIMESPEC_TO_TIMEVAL(&before->it_value, &left.it_value);
     TIMESPEC_TO_TIMEVAL(&before->it_interval, &left.it_interval);
   }
   return 0;
+}
+
+int getitimer(__itimer_which_t which, struct itimerval *left) {
+  if (!lock_on() || which != ITIMER_REAL) return REAL(getitimer)(which, left);
+  return setitimer(which, NULL, left);
 }
 
 unsigned alarm(unsigned seconds) {
@@ -166,6 +185,10 @@ CALL(int, timer_settime,
   return set(timer_of(id), flags & TIMER_ABSTIME, to, before);
 }
 
+CALL(int, timer_gettime, (timer_t id, struct itimerspec *left), (id, left)) {
+  return set(timer_of(id), 0, NULL, left);
+}
+
 int timer_getoverrun(timer_t id) {
   return lock_on() ? 0 : REAL(timer_getoverrun)(id);
 }
@@ -189,4 +212,8 @@ CALL(int, timerfd_settime,
      (int fd, int flags, const struct itimerspec *to, struct itimerspec *before),
      (fd, flags, to, before)) {
   return set(timer_of_file(fd), flags & TFD_TIMER_ABSTIME, to, before);
+}
+
+CALL(int, timerfd_gettime, (int fd, struct itimerspec *left), (fd, left)) {
+  return set(timer_of_file(fd), 0, NULL, left);
 }

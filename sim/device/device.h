@@ -100,8 +100,8 @@ uint64_t lock_now(void);
  * handled before it returns CAUSE_SIGNAL, unless `keep`: those stay pending. */
 int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, unsigned count,
               const sigset_t *mask, int keep);
-/* A call that asks for what is new. A loop of them waits for something: every hundredth since the
- * thread has waited takes 100 us, as a hundred do on a computer. */
+/* A call that asks for what is new, or waits for no time. A loop of them waits for something: every
+ * hundredth since the thread has waited takes 100 us, as a hundred do on a computer. */
 void lock_polls(void);
 /* A request without data, which does not wait. */
 int lock_tell(uint32_t op, uint64_t a, uint64_t b);
@@ -133,10 +133,13 @@ uint64_t lock_until(clockid_t clock, const struct timespec *at);
 /* clocks.c: does what timers do that have run out; when the next one will. */
 uint64_t lock_timers(uint64_t now);
 void lock_forget_timers(void);
+/* A closed descriptor: what has its number next is no timer's. */
+void lock_forget_file(int file);
 
 /* --- waits.c --- */
 
-/* Before a descriptor is read or written: waits until that does not block, for so many bytes. */
+/* Before a descriptor is read or written: waits until that does not block, for so many bytes; 0 and
+ * EINTR: a signal ended the wait. */
 size_t lock_await(int fd, short events);
 /* Pipes as standard input and output: the C library would read and write them past us. */
 void lock_take_pipes(void);

@@ -93,6 +93,20 @@ static int wake(struct line *l, uint64_t key, uint64_t count) {
   return woken;
 }
 
+static void poke(struct turns *t, const struct process *from, uint64_t to, uint64_t signal) {
+  const uint64_t number = signal & ~(uint64_t)WIRE_THREAD;
+  const int pid = (int)to, group = pid == 0 ? getpgid(from->pid) : -pid;
+  if (number < 1 || number > 64) return;
+  if (signal & WIRE_THREAD) {
+    for (struct line *l = from->lines; l != NULL; l = l->next)
+      if (l->key == to && l->state == WAITS && hears(l, BIT(number))) ready(l, CAUSE_SIGNAL);
+    return;
+  }
+  EACH_PROCESS(t, p)
+  if (p->pid == pid || pid == -1 || (pid <= 0 && getpgid(p->pid) == group))
+    turns_signalled(t, p->pid, BIT(number));
+}
+
 static void serve(struct turns *t, struct line *l, const struct wire_request *r, const char *data) {
   struct process *p = l->process;
   int result = 0;
@@ -122,7 +136,7 @@ static void serve(struct turns *t, struct line *l, const struct wire_request *r,
       result = wake(l, r->a, r->b);
       break;
     case WIRE_POKE:
-      if (r->b > 0 && r->b <= 64) turns_signalled(t, (int)r->a, BIT(r->b));
+      poke(t, l->process, r->a, r->b);
       break;
     default: /* WIRE_SPAWN */
       if (r->a == 0) p->expected += r->b ? -1 : 1;

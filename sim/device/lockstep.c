@@ -96,15 +96,6 @@ uint64_t lock_now(void) {
   return now_ns;
 }
 
-struct timespec lock_span(uint64_t ns) {
-  return (struct timespec){(time_t)(ns / SECOND), (long)(ns % SECOND)};
-}
-
-uint64_t lock_ns(const struct timespec *span) {
-  if (span->tv_sec > INT32_MAX) return WIRE_NEVER - 1;
-  return (uint64_t)span->tv_sec * SECOND + (uint64_t)span->tv_nsec;
-}
-
 uint64_t lock_after(uint64_t ns) {
   uint64_t now = lock_now();
   return ns < WIRE_NEVER - now ? now + ns : WIRE_NEVER - 1;
@@ -147,6 +138,14 @@ static int is_heard(uint64_t signals, int restart) {
   return 0;
 }
 
+/* By a handler, or by a call that waits for it. */
+static int takes_errors(uint64_t mask) {
+  struct sigaction action = {.sa_handler = SIG_DFL};
+  (void)sigaction(SIGUSR1, NULL, &action);
+  return mask >> (SIGUSR1 - 1) & 1 ||
+         (action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN);
+}
+
 /* Which of them has come from outside is not known: whether a handler of one ends the call. */
 static int outside_ends(const sigset_t *mask, int restart) {
   uint64_t handled = 0;
@@ -174,7 +173,7 @@ const sigset_t *lock_late(const sigset_t *before) {
 static __thread unsigned polls; /* such calls since this thread has waited */
 
 void lock_polls(void) {
-  if (lock_on() && ++polls == 100)
+  if (lock_on() && ++polls >= 100)
     (void)lock_wait(WAIT_DEAF, lock_now() + 100000, NULL, NULL, 0, NULL, 0);
 }
 
@@ -261,7 +260,7 @@ static int wait_once(struct wire_wait *head, const int *files, const sigset_t *m
   int result, more = head->what == WAIT_SAMPLE && has_read && states->asked <= sizeof(states->data);
   known[0].length = known[1].length = 0;
   has_read = may_be_later = 0;
-  polls = 0;
+  if (head->until > now_ns) polls = 0;
   head->written = last.due ? last.length : 0;
   last.due = 0;
   memcpy(page->data, head, sizeof(*head));
@@ -291,6 +290,7 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   meanwhile = mask != NULL ? *mask : before;
   head.what = what & ~LOCK_RESTARTS;
   head.mask = bits_of(&meanwhile);
+  if (what & WAIT_FILES && until == WIRE_NEVER && takes_errors(head.mask)) head.what |= WAIT_ERROR;
   head.files = count < 64 ? count : 64;
   for (;;) {
     uint64_t come;
@@ -301,6 +301,8 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
     cause = (head.pending & ~head.mask) != 0 && !(what & WAIT_DEAF)
                 ? CAUSE_SIGNAL
                 : wait_once(&head, files, &meanwhile, &heard);
+    if (cause == CAUSE_WOKEN && what & WAIT_FILES && restart && pending() & ~head.mask)
+      cause = CAUSE_SIGNAL;
     heard = heard && cause >= 0 && outside_ends(&meanwhile, restart);
     if (heard) cause = CAUSE_SIGNAL;
     if (cause == timed && head.until < until && now_ns >= head.until) { /* a timer's */

@@ -94,7 +94,7 @@ ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t leng
 ssize_t read(int fd, void *buffer, size_t length) {
   char name[WIRE_NAME];
   if (!wire_is_file(fd, name)) {
-    (void)lock_await(fd, POLLIN);
+    if (lock_await(fd, POLLIN) == 0) return -1;
     return syscall(SYS_read, fd, buffer, length);
   }
   return device_fail((int)device_read(name, buffer, length));
@@ -109,7 +109,7 @@ ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size) {
 static ssize_t write_elsewhere(int fd, const char *from, size_t length) {
   for (size_t done = 0;;) {
     size_t most = lock_await(fd, POLLOUT), part = length - done < most ? length - done : most;
-    ssize_t n = syscall(SYS_write, fd, from + done, part);
+    ssize_t n = most > 0 ? syscall(SYS_write, fd, from + done, part) : -1;
     if (n < 0 && done == 0) return n;
     if (n > 0) done += (size_t)n;
     if (n < (ssize_t)part || done == length) return (ssize_t)done;
@@ -154,6 +154,7 @@ int ioctl(int fd, unsigned long request, ...) {
 /* A write() that nobody has waited for comes before the end of the file, or of the program. */
 int close(int fd) {
   lock_write_first();
+  lock_forget_file(fd);
   return (int)syscall(SYS_close, fd);
 }
 

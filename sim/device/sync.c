@@ -94,9 +94,11 @@ int pthread_join(pthread_t thread, void **result) {
     r_;                                       \
   })
 
-/* Without an end, until a time of a clock, and of the real-time clock. */
-#define LOCK(of, kind)                                                                    \
+/* Without an end, until a time of a clock, and of the real-time clock. EDEADLK: `has`, the thread
+ * itself has it, and the C library would know. */
+#define LOCK(of, kind, has)                                                               \
   CALL(int, of##_##kind##lock, (of##_t * l), (l)) {                                       \
+    if (has) return EDEADLK;                                                              \
     return UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, WIRE_NEVER);                     \
   }                                                                                       \
   CALL(int, of##_clock##kind##lock, (of##_t * l, clockid_t c, const struct timespec *at), \
@@ -106,9 +108,10 @@ int pthread_join(pthread_t thread, void **result) {
   int of##_timed##kind##lock(of##_t *l, const struct timespec *at) {                      \
     return of##_clock##kind##lock(l, CLOCK_REALTIME, at);                                 \
   }
-LOCK(pthread_mutex, )
-LOCK(pthread_rwlock, rd)
-LOCK(pthread_rwlock, wr)
+LOCK(pthread_mutex, ,
+     (l->__data.__kind & 3) == PTHREAD_MUTEX_ERRORCHECK && l->__data.__owner == gettid())
+LOCK(pthread_rwlock, rd, l->__data.__cur_writer != 0 && l->__data.__cur_writer == gettid())
+LOCK(pthread_rwlock, wr, l->__data.__cur_writer != 0 && l->__data.__cur_writer == gettid())
 int pthread_mutex_unlock(pthread_mutex_t *m) {
   int result = REAL(pthread_mutex_unlock)(m);
   wake(m, 1);
@@ -219,6 +222,7 @@ static int await_child(void) {
 pid_t wait4(pid_t pid, int *status, int options, struct rusage *usage) {
   for (int how = lock_on() ? WNOHANG : 0; how >= 0; how = await_child()) {
     pid_t found = REAL(wait4)(pid, status, options | how, usage);
+    if (found == 0 && options & WNOHANG) lock_polls();
     if (found != 0 || (options & WNOHANG)) return found;
   }
   return -1;
@@ -228,6 +232,7 @@ int waitid(idtype_t kind, id_t id, siginfo_t *to, int options) {
   for (int how = lock_on() ? WNOHANG : 0; how >= 0; how = await_child()) {
     found->si_pid = 0;
     if (REAL(waitid)(kind, id, found, options | how) < 0) return -1;
+    if (found->si_pid == 0 && options & WNOHANG) lock_polls();
     if (found->si_pid != 0 || how == 0 || options & WNOHANG) return 0;
   }
   return -1;

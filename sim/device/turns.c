@@ -161,12 +161,17 @@ void turns_line(struct turns *t, int fd, int page, int wake, const void *request
   join(p);
 }
 
+/* It does not run, and lets one of them through. */
+int hears(const struct line *l, uint64_t signals) {
+  return l->state != RUNS && !(l->wait.what & WAIT_DEAF) && (signals & ~l->wait.mask) != 0;
+}
+
 /* Signals are pending in a process: the first thread that lets one through wakes. */
 void turns_signalled(struct turns *t, int pid, uint64_t signals) {
   const struct process *p = process_of(t, pid);
   struct line *first = NULL;
   for (struct line *l = p != NULL ? p->lines : NULL; l != NULL; l = l->next) {
-    if (l->state == RUNS || l->wait.what & WAIT_DEAF || (signals & ~l->wait.mask) == 0) continue;
+    if (!hears(l, signals)) continue;
     if (l->state == READY) return;
     if (first == NULL) first = l;
   }
@@ -225,6 +230,7 @@ void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
   for (uint32_t n = 0; n < wait->files && l->outside; n++)
     l->outside = t->is_outside(p->pid, files[n]);
   if (l->outside && wait->until == WIRE_NEVER) ready(l, CAUSE_OUTSIDE);
+  if (wait->what & WAIT_ERROR) l->outside = 1; /* some of them may be */
 }
 
 /* --- whose turn it is ------------------------------------------------------------------ */
@@ -308,7 +314,8 @@ static void pass_time(struct turns *t) {
     const int of_files = (l->wait.what & WAIT_FILES) != 0;
     if (l->wait.until < end) end = l->wait.until;
     samples |= (l->wait.what & WAIT_SAMPLE) != 0;
-    others |= !of_files;
+    others |= !(l->wait.what & (WAIT_FILES | WAIT_KEY | WAIT_THREAD | WAIT_CHILD)) ||
+              l->wait.what & WAIT_ERROR;
     outside |= of_files && l->outside;
     if (of_files && files == NULL) files = l;
   }
@@ -358,8 +365,8 @@ void turns_run(struct turns *t, int turns, int timeout_ms) {
     n = epoll_wait(t->epoll, came, 2, busy ? timeout_ms : 0);
     if (n == 0 && !busy && t->processes != NULL) continue;
     if (n == 0 && busy && t->running == NULL) tell(t, awaited(t), TURNS_SILENT);
-    if (n == 0 && t->running != NULL)
-      tell(t, t->running->process, t->running->outside ? TURNS_OUTSIDE : TURNS_SILENT);
+    if (t->running != NULL) /* or it asks, and does not wait */
+      tell(t, t->running->process, n == 0 && t->running->outside ? TURNS_OUTSIDE : TURNS_SILENT);
     if (n != 1 || !turns_hear(t, came[0].data.fd) || has_more(t)) break;
   }
 }

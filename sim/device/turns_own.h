@@ -53,6 +53,7 @@ void begin_wait(struct turns *t, struct line *l, const struct wire_wait *wait,
                 const int32_t *files);
 void ready(struct line *l, enum wire_cause cause);
 int wants(const struct line *l, unsigned what);
+int hears(const struct line *l, uint64_t signals);
 
 /* lines.c */
 int64_t events_of(const struct turns *t);

@@ -27,11 +27,19 @@ static int interrupted(void) {
   return -1;
 }
 
+/* What has found nothing and was asked to wait for no longer. */
+static int is_over(uint64_t until) {
+  if (lock_now() < until) return 0;
+  lock_polls();
+  return 1;
+}
+
 /* --- sleeping -------------------------------------------------------------------------- */
 
 /* 0, or EINTR and what is left. */
 static int sleep_until(uint64_t until, struct timespec *left) {
   uint64_t now;
+  (void)is_over(until);
   if (lock_wait(0, until, NULL, NULL, 0, NULL, 0) != CAUSE_SIGNAL) return 0;
   now = lock_now();
   if (left != NULL) *left = lock_span(until > now ? until - now : 0);
@@ -63,6 +71,7 @@ unsigned sleep(unsigned seconds) {
 }
 
 CALL(int, sched_yield, (void), ()) {
+  lock_polls();
   (void)lock_wait(WAIT_DEAF, 0, NULL, NULL, 0, NULL, 0);
   return 0;
 }
@@ -90,7 +99,7 @@ CALL(int, sigtimedwait, (const sigset_t *set, siginfo_t *info, const struct time
     if (sigismember(set, n) == 1) sigdelset(&mask, n);
   for (;;) {
     int got = REAL(sigtimedwait)(set, info, &none);
-    if (got >= 0 || errno != EAGAIN || lock_now() >= until) return got;
+    if (got >= 0 || errno != EAGAIN || is_over(until)) return got;
     if (lock_wait(0, until, NULL, NULL, 0, &mask, 1) != CAUSE_SIGNAL) continue;
     got = REAL(sigtimedwait)(set, info, &none);
     return got >= 0 ? got : interrupted();
@@ -109,22 +118,22 @@ CALL(int, sigwait, (const sigset_t *set, int *number), (set, number)) {
   return got < 0 ? errno : 0;
 }
 
-int kill(pid_t pid, int number) {
-  int result = REAL(kill)(pid, number);
-  /* SIGSTOP wakes nobody */
-  if (result == 0 && number != 0 && number != SIGSTOP && lock_on() && pid != wire_pid())
-    (void)lock_tell(WIRE_POKE, (uint64_t)pid, (uint64_t)number);
+/* What a signal is sent by: who waits hears of it from the server. SIGSTOP wakes nobody. */
+static int sent(int result, uint64_t to, int number, uint64_t kind) {
+  if (result == 0 && number != 0 && number != SIGSTOP && lock_on() && to != (uint64_t)wire_pid())
+    (void)lock_tell(WIRE_POKE, to, (uint64_t)number | kind);
   return result;
 }
+#define SENDS(name, parameters, arguments, to, kind)                 \
+  int name parameters {                                              \
+    return sent(REAL(name) arguments, (uint64_t)(to), number, kind); \
+  }
+SENDS(kill, (pid_t pid, int number), (pid, number), pid, 0)
+SENDS(killpg, (pid_t group, int number), (group, number), -group, 0)
+SENDS(sigqueue, (pid_t pid, int number, const union sigval value), (pid, number, value), pid, 0)
+SENDS(pthread_kill, (pthread_t thread, int number), (thread, number), thread, WIRE_THREAD)
 
 /* --- descriptors ----------------------------------------------------------------------- */
-
-/* What has found nothing and was asked to wait for no longer. */
-static int is_over(uint64_t until) {
-  if (lock_now() < until) return 0;
-  lock_polls();
-  return 1;
-}
 
 /* What a call finds ready `now`; or waits for `files` and looks again, after `anew`. Where only the
  * outside world can make them ready, the call itself waits: `outside`. */
@@ -220,15 +229,19 @@ static int takes_parts(int fd) {
   return S_ISFIFO(status.st_mode) || kind == SOCK_STREAM;
 }
 
-/* A blocking descriptor that would block. Signals are seen to when the call itself is made. */
+/* A blocking descriptor that would block. */
 size_t lock_await(int fd, short events) {
   struct pollfd one = {.fd = fd, .events = events};
   static const struct timespec none = {0};
   int flags = lock_on() ? fcntl(fd, F_GETFL) : O_NONBLOCK, saved = errno;
   unsigned what = WAIT_FILES;
   size_t most = SIZE_MAX;
-  while (flags >= 0 && !(flags & O_NONBLOCK) && REAL(ppoll)(&one, 1, &none, NULL) == 0) {
-    if (lock_wait(what, WIRE_NEVER, NULL, &fd, 1, NULL, 0) == CAUSE_OUTSIDE) break;
+  sigset_t all; /* lock_wait() knows what a signal does to the call */
+  sigfillset(&all);
+  while (flags >= 0 && !(flags & O_NONBLOCK) && REAL(ppoll)(&one, 1, &none, &all) == 0) {
+    int cause = lock_wait(what | LOCK_RESTARTS, WIRE_NEVER, NULL, &fd, 1, NULL, 0);
+    if (cause == CAUSE_SIGNAL && REAL(ppoll)(&one, 1, &none, &all) == 0) return errno = EINTR, 0;
+    if (cause == CAUSE_OUTSIDE) break;
     what |= WAIT_AGAIN;
   }
   if (events == POLLOUT && flags >= 0 && !(flags & O_NONBLOCK) && takes_parts(fd)) most = PIPE_BUF;
@@ -237,11 +250,11 @@ size_t lock_await(int fd, short events) {
 }
 
 /* A call that takes from a socket, once there is something. */
-#define TAKES(result, name, parameters, arguments, flags)                             \
-  CALL(result, name, parameters, arguments) {                                         \
-    char file[WIRE_NAME];                                                             \
-    if (!((flags) & MSG_DONTWAIT) && !wire_is_file(fd, file)) lock_await(fd, POLLIN); \
-    return REAL(name) arguments;                                                      \
+#define TAKES(result, name, parameters, arguments, flags)                    \
+  CALL(result, name, parameters, arguments) {                                \
+    char file[WIRE_NAME];                                                    \
+    int waits = !((flags) & MSG_DONTWAIT) && !wire_is_file(fd, file);        \
+    return waits && lock_await(fd, POLLIN) == 0 ? -1 : REAL(name) arguments; \
   }
 TAKES(ssize_t, recv, (int fd, void *to, size_t size, int flags), (fd, to, size, flags), flags)
 TAKES(ssize_t, recvfrom,

@@ -44,7 +44,8 @@ enum wire_op {
   WIRE_WAKE = 14,   /* a = key, b = how many of this process that wait with it may go on */
   WIRE_SPAWN = 15,  /* a = pid of a child, 0: a thread of this process; b = 1: it came to nothing */
   WIRE_NOW = 17,    /* what comes with every answer: struct wire_now */
-  WIRE_POKE = 18,   /* a = pid, b = signal: this thread has sent it one */
+  WIRE_POKE = 18,   /* a = pid, b = signal: this thread has sent it one; a as of kill(). With
+                       WIRE_THREAD in b: a thread of this process */
   WIRE_CANCEL = 19, /* on a line that waits: a signal from outside has come. Answered as the wait */
 };
 
@@ -55,8 +56,9 @@ enum wire_what {
   WAIT_FILES = 4,  /* others have run: descriptors may be ready */
   WAIT_CHILD = 8,  /* a process has ended */
   WAIT_DEAF = 16,
-  WAIT_AGAIN = 64, /* as before: nobody else need look again */
-  WAIT_THREAD = 32 /* the end of the thread that has the key */
+  WAIT_AGAIN = 64,  /* as before: nobody else need look again */
+  WAIT_THREAD = 32, /* the end of the thread that has the key */
+  WAIT_ERROR = 128  /* with WAIT_FILES: the program takes the driver's signals */
 };
 /* Of what WIRE_WAIT answers. OUTSIDE: nobody attached can end it; time stands still meanwhile. */
 enum wire_cause {
@@ -68,6 +70,7 @@ enum wire_cause {
 };
 
 #define WIRE_NEVER UINT64_MAX
+#define WIRE_THREAD 0x100u
 
 struct wire_wait {
   uint64_t until; /* ns of machine time */

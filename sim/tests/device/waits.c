@@ -255,6 +255,67 @@ static void kin(void) {
   TIMED(wait4(-1, NULL, 0, NULL) > 0);
 }
 
+static void *reader(void *end) {
+  char byte;
+  return (void *)read(*(int *)end, &byte, 1);
+}
+
+/* What is left of a timer, and what a closed one does no more. */
+static void timers(void) {
+  struct itimerspec often = {{0, 1000000}, {0, 3000000}};
+  struct itimerval left;
+  timer_t id;
+  int fd = timerfd_create(CLOCK_MONOTONIC, 0);
+  FILE *file;
+  timer_create(CLOCK_MONOTONIC, NULL, &id);
+  timer_settime(id, 0, &often, NULL);
+  timerfd_settime(fd, 0, &often, NULL);
+  ualarm(3000, 0);
+  usleep(1000);
+  TIMED((getitimer(ITIMER_REAL, &left), left.it_value.tv_usec));
+  TIMED((timer_gettime(id, &often), often.it_value.tv_nsec));
+  TIMED((timerfd_gettime(fd, &often), often.it_value.tv_nsec));
+  timer_delete(id);
+  ualarm(0, 0);
+  close(fd);
+  file = tmpfile();
+  usleep(5000);
+  TIMED(fileno(file) == fd ? lseek(fd, 0, SEEK_END) : -1);
+  fclose(file);
+}
+
+/* Loops that wait for no time; signals to a thread, and to a group. */
+static void asking(void) {
+  pthread_mutexattr_t checks;
+  pthread_mutex_t mine;
+  pthread_t t;
+  void *got;
+  int ends[2];
+  const int64_t begin = now_us();
+  while (now_us() < begin + 300) usleep(0);
+  while (now_us() < begin + 600) sched_yield();
+  TIMED(now_us() - begin);
+  child();
+  while (waitpid(-1, NULL, WNOHANG) == 0) continue;
+  TIMED(now_us() - begin);
+  if (pipe(ends) < 0) return;
+  pthread_create(&t, NULL, reader, ends);
+  usleep(1000);
+  TIMED(pthread_kill(t, SIGALRM)); /* which has no SA_RESTART */
+  TIMED((pthread_join(t, &got), (long)got));
+  setpgid(0, 0);
+  fflush(stdout);
+  if (fork() == 0) _exit(usleep(50000) == -1 ? 0 : 1);
+  usleep(1000);
+  TIMED(kill(0, SIGALRM));
+  TIMED(wait(NULL) > 0);
+  pthread_mutexattr_init(&checks);
+  pthread_mutexattr_settype(&checks, PTHREAD_MUTEX_ERRORCHECK);
+  pthread_mutex_init(&mine, &checks);
+  pthread_mutex_lock(&mine);
+  TIMED(pthread_mutex_lock(&mine));
+}
+
 int main(void) {
   struct timeval tv;
   gettimeofday(&tv, NULL);
@@ -268,5 +329,7 @@ int main(void) {
   fflush(stdout);
   sockets();
   kin();
+  timers();
+  asking();
   return 0;
 }
