@@ -150,7 +150,7 @@ def show(scenario: str, sets: tuple[str, ...]) -> None:
 @click.option("--set", "sets", multiple=True, metavar="KEY=VALUE", help=SET_HELP)
 def check(scenario: str, sets: tuple[str, ...]) -> None:
     """Explain every mistake in a scenario and its robot file, or in a robot file alone."""
-    from mmcs.runs.machine import card_of
+    from mmcs.runs.machine import compiled
     from mmcs.scenario.describe import cautions
     from mmcs.scenario.files import is_robot
     from mmcs.scenario.load import load
@@ -161,7 +161,8 @@ def check(scenario: str, sets: tuple[str, ...]) -> None:
 
     with _every_mistake():
         setup = load(scenario, sets)
-    card_of(setup)  # its mistakes
+        if setup.scenario.card:
+            compiled(setup)  # mistakes of cards, and upsets of their registers
     for text in cautions(setup):
         echo(f"caution: {text}")
     echo(f"{setup.path}: good; axes {setup.axes}, motions {len(setup.segments)}")

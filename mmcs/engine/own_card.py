@@ -2,6 +2,7 @@
 """Cards of one's own as a library for the engine (sim/card/card.py), built once for each text."""
 
 import hashlib
+import json
 import re
 import subprocess
 from pathlib import Path
@@ -12,10 +13,12 @@ from mmcs.inputs import UPSET
 from mmcs.place import BUILD, digest, is_whole, workshop
 
 
-def library(texts: list[str], files: list[str], clk_hz: int) -> Path:
-    """Of all cards together. files: what messages call the texts. Raises InputError for a text that
-    is no card, with its file and line."""
-    words = "\0".join([*texts, str(clk_hz), digest()])
+def library(texts: list[str], files: list[str], slots: list, clk_hz: int) -> Path:
+    """Of all cards together. files: what messages call the texts; slots: of the machine, and the
+    first of each text or None. Raises InputError for a text that is no card, with its file and
+    line."""
+    where = json.dumps(slots)
+    words = "\0".join([*texts, where, str(clk_hz), digest()])
     name = hashlib.sha256(words.encode()).hexdigest()[:16]
     folder = BUILD / "cards" / name
     path = folder / "card.so"
@@ -25,6 +28,7 @@ def library(texts: list[str], files: list[str], clk_hz: int) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         for n, text in enumerate(texts):
             (folder / f"card{n}.sv").write_text(text)
+        (folder / "slots.json").write_text(where)
         made = subprocess.run(
             ["make", "-s", "-f", "sim/Makefile", "card", f"CARD=build/cards/{name}",
              f"CLK_HZ={clk_hz}"],

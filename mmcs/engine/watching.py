@@ -6,13 +6,16 @@ from mmcs.errors import RunError
 
 
 class Watching:
-    def watch(self, nets: list[str]) -> None:
-        """From now on changes() tells of these; of a machine that skips nothing."""
+    def watch(self, nets: list[str], others: list[str] | None = None) -> list[str]:
+        """From now on changes() tells of these; of a machine that skips nothing. And of those
+        others that can be watched, which it returns."""
         for net in nets:
             if self.lib.mmcs_sim_watch(self._sim, net.encode()) < 0:
                 raise RunError(
                     f"{net}: no register or port, or this machine does not see each clock"
                 )
+        watch = self.lib.mmcs_sim_watch
+        return [net for net in others or () if watch(self._sim, net.encode()) >= 0]
 
     def changes(self):
         """An array: clock, number of the net, value after the clock; in order."""

@@ -67,7 +67,8 @@ def card_of(setup: Setup) -> Path | None:
 
     texts = [setup.files[f"card{n}.sv"] for n in range(len(cards))]
     files = [str(short(setup.path.parent / card.file)) for card in cards]
-    return library(texts, files, setup.scenario.clk_hz)
+    slots = [setup.scenario.cards, [card.slot for card in cards]]
+    return library(texts, files, slots, setup.scenario.clk_hz)
 
 
 def compile_for(setup: Setup, lib, skip=None, host: dict | None = None, with_source=False) -> bytes:

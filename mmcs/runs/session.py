@@ -147,9 +147,9 @@ class Session:
         if result > 0:
             self.at_start.append((what.split()[0], result))
             raise Refused
-        said = self.sim.notes()[-1:] if result < 0 else []
-        if said and said[0]["text"].startswith("event refused"):
-            raise RunError(f"{what}: {said[0]['text']}")
+        for said in self.sim.notes() if result < 0 else []:
+            if said["kind"] == "assert" or said["text"].startswith("event refused"):
+                raise RunError(f"{what}: {said['text']}")
         self._answered(what, result)
         return self.script.client
 

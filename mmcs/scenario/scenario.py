@@ -168,6 +168,7 @@ class Card(Strict):
     are parts of cards."""
 
     file: str = Field(min_length=1, description="a SystemVerilog file beside the scenario")
+    slot: int | None = Field(None, ge=0, le=15, description="of a card with motors: its first slot")
 
 
 class AxisExpect(Strict):

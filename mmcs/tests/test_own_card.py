@@ -23,10 +23,12 @@ EXAMPLE = ROOT / "firmware" / "examples" / "pwm_card.sv"
 PORTS = """(
   input  wire logic clk_i, rst_ni, pc_clk_en_i, pc_reset_drv_i, pc_aen_i, pc_ior_ni, pc_iow_ni,
   input  wire logic [15:0] pc_a_i, input wire logic [7:0] pc_d_i, input wire logic [3:1] pc_drq_i,
-  output logic [7:0] pc_d_o, output logic pc_d_oe_o, pc_wait_o, output logic [7:3] pc_irq_o);
+  output logic [7:0] pc_d_o, output logic pc_d_oe_o, pc_wait_o, output logic [7:3] pc_irq_o,
+  input wire logic enc_a_i, enc_b_i, enc_i_i, axis_enable_i,
+  input wire logic [15:0] adc_v_i, output logic [15:0] drive_v_o);
 """
-# Never idle: random bits, a memory, wide, partial and unreset registers, one that the bus clears
-# without a clock; wait states, PANIC's line, read data that follow the address.
+# Never idle: random bits, a memory, wide, partial and unreset registers, one that bus or index
+# clear without a clock; wait states, PANIC, read data that follow the address; a random drive.
 MOVING = f"""
 module delay #(parameter int N = 3) (input wire logic ck, d, output logic [N-1:0] q);
   always_ff @(posedge ck) q <= {{q[N-2:0], d}};
@@ -39,9 +41,10 @@ module moving {PORTS}
   logic [15:0] bus_q;
   logic [2:0] waited_q, delayed;
   logic [3:0] cleared_q;
-  assign selected = !pc_aen_i && pc_a_i[13:5] == 9'b1110_11000;
+  assign selected = !pc_aen_i && pc_a_i[13:5] == 9'b1101_11000;
   assign command = selected && !(pc_ior_ni && pc_iow_ni);
-  assign clear_n = !(command && pc_a_i[4:0] == 7);
+  assign clear_n = !(command && pc_a_i[4:0] == 7) && !(enc_i_i && enc_a_i);
+  assign drive_v_o = {{bits_q[30], bits_q[29:17], enc_a_i, enc_b_i}};
   initial bits_q = 1;
   delay #(.N(3)) u_delay (.ck(clk_i), .d(bits_q[0]), .q(delayed));
   for (genvar n = 0; n < 2; n++) begin : g_half
@@ -50,7 +53,7 @@ module moving {PORTS}
   end
   always_ff @(posedge clk_i) begin
     bits_q <= {{bits_q[29:0], bits_q[30] ^ bits_q[27] ^ (command & ~pc_iow_ni & pc_d_i[0])}};
-    bus_q <= pc_a_i ^ {{8'b0, pc_d_i}};
+    bus_q <= pc_a_i ^ {{8'b0, pc_d_i}} ^ adc_v_i ^ {{13'b0, enc_a_i, enc_b_i, axis_enable_i}};
     for (int n = 0; n < 16; n++)
       if (bits_q[3:0] == 4'(n)) memory_q[n] <= memory_q[n] + 8'(n) + bus_q[7:0];
     wide_q <= {{wide_q[98:0], bits_q[5]}};
@@ -70,7 +73,8 @@ endmodule
 
 
 def setup(*files):
-    return load("lab500", (), card=[{"file": str(file)} for file in files])
+    cards = [{"file": str(file), "slot": n} for n, file in enumerate(files)]
+    return load("lab500", (), card=cards, cards=2)
 
 
 @pytest.fixture
@@ -91,14 +95,15 @@ def traffic(sim, seed, steps=100, back_at=None, faults=False):
     sim.bus_write(0x409, 0x18)
     for n, (name, value) in enumerate(FAULTS.items() if faults else ()):
         for t, state in ((1e-3 * n + 1e-4, value), (1e-3 * n + 6e-4, INPUTS[name].healthy)):
-            sim.add_event(sim.time + t, sim.input_names().index(name), 0, state)
+            index = int(name == "card_absent")  # the Mark I beside it
+            sim.add_event(sim.time + t, sim.input_names().index(name), index, state)
     for step in range(steps):
         if step == back_at:
             number = sim.snapshot()
-            sim.bus_write(0x381, 77)
+            sim.bus_write(0x341, 77)
             sim.run(sim.time + 3e-4)
             sim.restore(number)
-        register = 0x381 + 2 * chance.randrange(24)
+        register = chance.choice((0x41, 0x341)) + 2 * chance.randrange(24)
         with suppress(TimeoutError):
             if chance.random() < 0.5:
                 sim.bus_write(register, chance.randrange(256))
@@ -166,7 +171,7 @@ def test_its_registers_have_names_and_upsets(moving):
 def test_run_record_replay_and_upset_by_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "my.toml").write_text(
-        'extends = "lab500"\nduration = 0.05\nmotion = []\nexpect = []\n'
+        'extends = "lab500"\nduration = 0.05\ncards = 2\nmotion = []\nexpect = []\n'
         '[[card]]\nfile = "pwm_card.sv"\n'
         '[[event]]\nat = 0.01\ninput = "seu.pwm_card.duty_q"\nvalue = 255\n'
     )
@@ -192,10 +197,10 @@ def test_a_program_drives_it(tmp_path):
         (tmp_path / file.name).write_text(file.read_text())
     compiler = ["cc", "-Wall", "-Wextra", "-Werror", "-o", "pwm_card", "pwm_card.c"]
     subprocess.run(compiler, cwd=tmp_path, check=True)
-    words = "-m mmcs exec --lockstep --scenario pwm_card.toml -- ./pwm_card 64"
+    words = "-m mmcs exec --lockstep --scenario pwm_card.toml -- ./pwm_card 500"
     done = subprocess.run([sys.executable, *words.split()], cwd=tmp_path, check=True,
                           capture_output=True, text=True)  # fmt: skip
-    assert done.stdout == "duty 64 of 256: output high in 500 of 2000 reads, 125 pulses\n"
+    assert done.stdout == "the joint is at 493 of 500 counts\n"
 
 
 # A line in the example's module, and what is said of it.
@@ -237,7 +242,7 @@ def test_a_missing_file_is_of_the_option(tmp_path):
 @pytest.mark.parametrize(("port", "other", "why"), [
     ("pc_a_i", "pc_address_i", "card pwm_card has no port pc_a_i"),
     ("[15:0] pc_a_i", "[13:0] pc_a_i", "port pc_a_i of card pwm_card must be an input of 16 bits"),
-    ("pc_reset_drv_i", "reset_i", "card pwm_card has a port reset_i, which the PC bus has not"),
+    ("clk_i,", "clk_i, input reset_i,", "card pwm_card has a port reset_i, which no slot has"),
 ])  # fmt: skip
 def test_ports_are_those_of_the_bus(tmp_path, port, other, why):
     (tmp_path / "a.sv").write_text(EXAMPLE.read_text().replace(port, other))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """mctool in the browser, §3: gateway, stop button, tuning; the pages are in web/.
 
-May know: device, runs, scenario, view.
+May know: device, engine, runs, scenario, view.
 """

@@ -53,16 +53,20 @@ def find(socket: Path, t: float, ms: float) -> Moment:
 
 def waves(socket: Path, t: float, ms: float) -> dict:
     """What the nets of the prepared view do, as web/wave_data.js has it."""
-    from mmcs.runs.machine import machine
+    from mmcs.engine.own_card import inputs
+    from mmcs.inputs import UPSET
+    from mmcs.runs.machine import card_of, machine
     from mmcs.view.watched import changes, groups, nets
 
     moment = find(socket, t, ms)
+    card = card_of(moment.setup)
+    own = [name[len(UPSET) :] for name in inputs(card) if name[-1] != "]"] if card else []
     with machine(moment.setup, skip=False) as sim:
         sim.restore_bytes(moment.snapshot, moment.past)
         sim.run(moment.from_s - BUSY_S)
-        sim.watch(nets())
+        own = sim.watch(nets(), own)
         begun, hz = sim.clock, sim.build()["clk_hz"]
         sim.run(moment.to_s)
         begin, end = max(begun, round(moment.from_s * hz)), round(moment.to_s * hz)
-        found = changes(sim.changes(), begin, end)
-    return {"clk_hz": hz, "from": begin, "to": end, "groups": groups(), "nets": found}
+        found = changes(sim.changes(), begin, end, len(own))
+    return {"clk_hz": hz, "from": begin, "to": end, "groups": groups(own), "nets": found}

@@ -15,11 +15,13 @@ ABSENT = ("firmware",)  # of a trace only
 FORMS = {HEX: "hex", SIGNED: "signed"}
 
 
-def groups() -> list[dict]:
-    """By group: each signal, the net that holds it, and how it is shown."""
+def groups(own: list[str] | None = None) -> list[dict]:
+    """By group: each signal, the net that holds it, and how it is shown. own: registers of cards of
+    one's own."""
+    cards = {"own card": [Signal(name, 32, HEX) for name in own]} if own else {}
     return [
         {"name": name, "signals": [_signal(signal) for signal in signals]}
-        for name, signals in GROUPS.items()
+        for name, signals in (GROUPS | cards).items()
         if name not in ABSENT
     ]
 
@@ -29,10 +31,11 @@ def nets() -> list[str]:
     return [signal["net"] for group in groups() for signal in group["signals"]]
 
 
-def changes(found: np.ndarray, begin: int, end: int) -> list[dict]:
-    """Of each net between two clocks: clocks and values, the first as it was at the begin."""
+def changes(found: np.ndarray, begin: int, end: int, own: int = 0) -> list[dict]:
+    """Of each net between two clocks: clocks and values, the first as it was at the begin. own: so
+    many of own cards behind nets()."""
     made = []
-    for number in range(len(nets())):
+    for number in range(len(nets()) + own):
         of = found[(found["net"] == number) & (found["clock"] <= end)]
         of = of[max(0, int(np.searchsorted(of["clock"], begin, side="right")) - 1) :]
         made.append({"clocks": of["clock"].tolist(), "values": of["value"].tolist()})

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Verilates cards of one's own into one model: `card.py DIR CLK`, DIR with card0.sv, card1.sv, ...
+and slots.json: the machine's number of slots, and of each file the first slot or null.
 
-Each module that no other instantiates is a card on the PC-bus expansion. Makes in DIR a module that
-joins them (mmcs_card.sv), its model (v/), registers.cpp and the ports for fast.cpp. A design that
-cannot be a card ends in one line, `FILE:LINE: what is wrong`, and status 2.
+Each module that no other instantiates is a card on the PC-bus expansion; one with ports for joints
+stands in slots of Mark I cards. Makes in DIR a module that joins them (mmcs_card.sv), its model
+(v/), registers.cpp and the ports for fast.cpp. A design that cannot be a card ends in one line,
+`FILE:LINE: what is wrong`, and status 2.
 """
 
 import json
@@ -27,6 +29,11 @@ OPTIONAL = {
     "pc_drq_i": (3, "pcx_drq_o"), "pc_wait_o": (1, "pcx_wait_i"), "pc_irq_o": (5, "pcx_irq_i"),
 }  # fmt: skip
 KNOWN = NEEDED | OPTIONAL
+# ports of a card with motors: their widths per joint. They are at the nets of the same names.
+MOTOR = {"enc_a_i": 1, "enc_b_i": 1, "enc_i_i": 1, "drive_v_o": 16}
+JOINTS = MOTOR | {"axis_enable_i": 1, "adc_v_i": 16}
+OWN = {"clash_o": (1, "clash_o"), "slots_o": (16, "slots_o")}
+PORTS = KNOWN | {name: (0, name) for name in JOINTS} | OWN  # of all cards together
 # How the cards share an output: undriven data lines read 1, two drivers give their AND.
 JOINED = {
     "pc_d_o": ("& ", "'1", "({0}_pc_d_oe_o ? {0}_pc_d_o : 8'hFF)"),
@@ -101,6 +108,9 @@ class Design:
         letter, line, *_ = re.split("[,:]", node["loc"])
         return f"{self._files[letter]}:{line}"
 
+    def at(self, module: Module) -> str:
+        return self.place(self._nodes[module.key])
+
     def check(self) -> None:
         for card in self.cards:
             self._check_ports(card)
@@ -114,17 +124,38 @@ class Design:
                     fail(self.place(node), "ends the simulator, which goes on without a card")
 
     def _check_ports(self, card: Module) -> None:
-        at, ports = self.place(self._nodes[card.key]), {p.name: p for p in card.ports}
-        for name in NEEDED:
+        at, ports = self.at(card), {p.name: p for p in card.ports}
+        for name in [*NEEDED, *(MOTOR if ports.keys() & JOINTS else ())]:
             if name not in ports:
                 fail(at, f"card {card.name} has no port {name}")
         for name, port in ports.items():
-            if name not in KNOWN:
-                fail(at, f"card {card.name} has a port {name}, which the PC bus has not")
-            width, direction = KNOWN[name][0], "OUTPUT" if name.endswith("o") else "INPUT"
+            if name not in KNOWN | JOINTS:
+                fail(at, f"card {card.name} has a port {name}, which no slot has")
+            width = KNOWN[name][0] if name in KNOWN else JOINTS[name] * joints(card)
+            direction = "OUTPUT" if name.endswith("o") else "INPUT"
             if (port.width, port.direction) != (width, direction):
                 allowed = f"must be an {direction.lower()} of {width} bit{'s' * (width > 1)}"
                 fail(at, f"port {name} of card {card.name} {allowed}")
+
+    def seats(self, number: int, given: list[int | None]) -> dict[str, range]:
+        """The slots of each card with joints, two in a slot: from its file's on, or the last that
+        are free."""
+        free, found = set(range(number)), {}
+        asked = [(given[int(self.at(card)[4:].partition(".")[0])], card) for card in self.cards]
+        for slot, card in sorted(asked[::-1], key=lambda one: one[0] is None):
+            if not (size := (joints(card) + 1) // 2):
+                if slot is not None:
+                    fail(self.at(card), f"card {card.name} has no joints, so it takes no slot")
+                continue
+            seats = (range(n, n + size) for n in (range(number)[::-1] if slot is None else [slot]))
+            if not (seat := next(filter(free.issuperset, seats), None)):
+                where = "no slot is left" if slot is None else f"slot {slot} is not free"
+                left = ", ".join(map(str, sorted(free))) or "none"
+                fail(self.at(card), f"{where} for card {card.name} and its joints, of which a slot "
+                                    f"has two: {joints(card)}; free are: {left}")  # fmt: skip
+            found[card.name] = seat
+            free -= {*seat}
+        return found
 
     def _check_clock(self, block: dict, clocks: set[str], where: str) -> None:
         if block.get("keyword") == "always_latch":
@@ -151,6 +182,10 @@ class Design:
             whole |= wholly(block)
 
 
+def joints(card: Module) -> int:
+    return card.vars["enc_a_i"].width if "enc_a_i" in card.vars else 0
+
+
 def has_edges(block: dict | None) -> bool:
     return any(c.get("type") == "SENTREE" for c in children(block or {}))
 
@@ -173,11 +208,13 @@ def clocked(
         yield from clocked(netlist, netlist.modules[key], f"{path}.{name}", frozenset(inner))
 
 
-def joined(cards: list[Module], clk_hz: str) -> str:
+def joined(cards: list[Module], seats: dict[str, range], number: int, clk_hz: str) -> str:
     """The module that has all cards on one bus; its ports are named by nets of rtl/mmcs.sv. Its own
-    register is there so that every model has a clock and a reset."""
-    ports = [f"  {'output' if name.endswith('o') else 'input'} logic [{width - 1}:0] {net}"
-             for name, (width, net) in KNOWN.items()]  # fmt: skip
+    register is there so that every model has a clock and a reset. clash_o: two cards, or one and a
+    Mark I, answer a read; slots_o: the slots of cards with joints, by bit."""
+    ports = [f"  {'output' if name.endswith('o') else 'input'} logic "
+             f"[{(width or 2 * number * JOINTS[name]) - 1}:0] {net}"
+             for name, (width, net) in PORTS.items()]  # fmt: skip
     lines = ["module mmcs_card (", ",\n".join(ports), ");",
              "  logic reset_q /*verilator public_flat_rd*/;",
              "  always_ff @(posedge clk_i or negedge rst_ni) reset_q <= rst_ni;"]  # fmt: skip
@@ -185,16 +222,23 @@ def joined(cards: list[Module], clk_hz: str) -> str:
     for card in cards:
         pins = []
         for port in card.ports:
-            wire = KNOWN[port.name][1]
-            if port.name in JOINED:
+            wire = KNOWN.get(port.name, (0, port.name))[1]
+            if port.name in JOINTS:
+                wire += f"[{2 * JOINTS[port.name] * seats[card.name][0]}+:{port.width}]"
+            elif port.name in JOINED:
                 wire = f"{card.name}_{port.name}"
                 lines.append(f"  logic [{port.width - 1}:0] {wire};")
                 terms[port.name].append(JOINED[port.name][2].format(card.name))
             pins.append(f".{port.name}({wire})")
-        given = f"#(.ClkHz({clk_hz})) " if "ClkHz" in card.vars else ""
-        lines.append(f"  {card.name} {given}{card.name} ({', '.join(pins)});")
+        values = {"ClkHz": clk_hz, "Slot": seats.get(card.name, [None])[0]}
+        given = [f".{n}({v})" for n, v in values.items() if v is not None and n in card.vars]
+        lines.append(f"  {card.name} #({', '.join(given)}) {card.name} ({', '.join(pins)});")
     for name, (how, none, _) in JOINED.items():
         lines.append(f"  assign {KNOWN[name][1]} = {how.join(terms[name]) or none};")
+    own = sum(1 << n for seat in seats.values() for n in seat)
+    mark1 = f"1'(16'd{(1 << number) - 1 & ~own} >> pcx_a_o[13:10]) & pcx_a_o[9:5] == 5'h18"
+    lines += [f"  assign slots_o = 16'd{own};", "  assign clash_o = !pcx_ior_no && "
+              f"!$onehot0({{{', '.join([mark1, *terms['pc_d_oe_o']])}}});"]  # fmt: skip
     return "\n".join([*lines, "endmodule", ""])
 
 
@@ -213,6 +257,7 @@ def registers(netlist: Netlist, cards: list[Module]) -> dict[tuple[str, str, str
 
 def main() -> int:
     folder, clk_hz = Path(sys.argv[1]), sys.argv[2]
+    number, slots = json.loads((folder / "slots.json").read_text())
     files = sorted((f.name for f in folder.glob("card*.sv")), key=lambda n: int(n[4:-3]))
     check_text(folder, files)
     design = Design(folder, files)
@@ -221,12 +266,12 @@ def main() -> int:
     # rw: not an alias of a wire that its module's port is connected to
     visible = {f'public_flat_rw -module "{module}" -var "{name}"' for _, name, module in found}
     texts = {
-        "mmcs_card.sv": joined(design.cards, clk_hz),
+        "mmcs_card.sv": joined(design.cards, design.seats(number, slots), number, clk_hz),
         "registers.vlt": "\n".join(["`verilator_config", *sorted(visible), ""]),
         "registers.cpp": "const mmcs::CardRow mmcs::kCardRows[] = {"
         + "".join(f'{{"{path}", "{name}", {must}}},\n' for (path, name, _), must in found.items())
         + '{"", "reset_q", 1}, {}};\n',
-        "card.ports": "".join(f"MMCS_PORT({net})\n" for _, net in KNOWN.values()),
+        "card.ports": "".join(f"MMCS_PORT({net})\n" for _, net in PORTS.values()),
     }
     for name, text in texts.items():
         (folder / name).write_text(text)

@@ -20,6 +20,11 @@ OwnCard::OwnCard(const std::string &library) {
   if (!model_) throw std::runtime_error(library + ": a register of the card is not in its model");
   for (const char *name : kInputs) inputs_.push_back(model_->board->port(name));
   for (const char *name : kOutputs) outputs_.push_back(model_->board->port(name));
+  for (int port = 0; port < kPorts; ++port) joints_[port] = model_->board->port(kPortNames[port]);
+  for (Port encoder : {kEncA, kEncB, kEncI}) inputs_.push_back(joints_[encoder]);
+  drive_ = model_->board->port("drive_v_o");
+  slots_ = model_->board->port("slots_o");
+  clashes_ = model_->board->port("clash_o");
   for (const char *idle : {"pcx_ior_no", "pcx_iow_no"}) model_->board->port(idle).put(1);
   model_->board->eval();
   send();
@@ -45,17 +50,29 @@ void OwnCard::put(size_t input, uint64_t value) {
   changed_ = true;
 }
 
+bool OwnCard::take(Port port, int lsb, uint64_t value) {
+  if (!has(port, lsb)) return false;
+  joints_[port].put(lsb, kPortFields[port], value);
+  changed_ = true;
+  return true;
+}
+
 bool OwnCard::follow() {
   if (!changed_) return false;
-  changed_ = false;
+  changed_ = looked_ = false;
   active_ = true;
   model_->board->inputs();
   return send();
 }
 
+// A card that has been active for long is looked at in two clocks of so many.
 bool OwnCard::clock() {
+  constexpr unsigned kLong = 64;
   model_->board->clock();
-  active_ = registers_changed();
+  const bool look = busy_ < kLong || busy_ % kLong >= kLong - 2;
+  active_ = !look || registers_changed() || !looked_;
+  looked_ = look;
+  busy_ = active_ ? busy_ + 1 : 0;
   return active_ && send();
 }
 
@@ -99,7 +116,7 @@ void OwnCard::go_back() {
     model_->board->inputs();
   }
   send();
-  changed_ = false;
+  changed_ = looked_ = false;
   active_ = true;
 }
 
@@ -124,6 +141,10 @@ bool OwnCard::send() {
     const uint64_t now = outputs_[n].get();
     any = any || now != sent_[n];
     sent_[n] = now;
+  }
+  if (any && clashes_.get()) {
+    const uint64_t slot = inputs_[kAddress].get() >> 10 & 15;
+    clash_ = "two cards answer a read at the addresses of slot " + std::to_string(slot);
   }
   return any;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards of one's own on the PC-bus expansion of rtl/mmcs.sv: one Verilated model of all of them in
-// a library by itself, made by card.py.
+// Cards of one's own on the PC-bus expansion of rtl/mmcs.sv, those with motors in slots of Mark I
+// cards: one Verilated model of all of them in a library by itself, made by card.py.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "board.h"
+#include "pins.h"
 
 namespace mmcs {
 
@@ -40,6 +41,7 @@ class OwnCard {
                                             "pcx_ior_no",      "pcx_iow_no", "pcx_aen_o",
                                             "pcx_reset_drv_o", "pcx_drq_o",  "pcx_clk_en_o"};
   static constexpr const char *kOutputs[] = {"pcx_d_i", "pcx_d_oe_i", "pcx_wait_i", "pcx_irq_i"};
+  static constexpr size_t kAddress = 1;  // of these
   enum Output { kData, kDataOe, kWait, kIrq, kMostOutputs };
   // A bus and cards that follow each other longer than this have a combinational loop.
   static constexpr int kMostRounds = 64;
@@ -49,6 +51,17 @@ class OwnCard {
   explicit OwnCard(const std::string &library);
   ~OwnCard();
   OwnCard(const OwnCard &) = delete;
+
+  bool stands_in(int slot) const { return slots_.get() >> slot & 1; }
+  int16_t drive(int axis) const { return static_cast<int16_t>(drive_.get(16 * axis, 16)); }
+  // Whether this field of a port of rtl/mmcs.sv is of a joint of its own.
+  bool has(Port port, int lsb) const {
+    return joints_[port] && stands_in(lsb / (port == kAdc ? 32 : 2));
+  }
+  // Such a field, which changes; false: it is none.
+  bool take(Port port, int lsb, uint64_t value);
+  // What is wrong if two cards have answered one read, or "".
+  const std::string &clash() const { return clash_; }
 
   bool has(size_t input) const { return static_cast<bool>(inputs_[input]); }
   void put(size_t input, uint64_t value);
@@ -64,8 +77,9 @@ class OwnCard {
 
   size_t size() const { return model_->registers.size(); }
   const std::string &name(size_t reg) const { return model_->registers[reg].first; }
-  int width(size_t reg) const { return model_->registers[reg].second.width; }
-  uint64_t read(size_t reg) const { return model_->registers[reg].second.get(); }
+  const Net &net(size_t reg) const { return model_->registers[reg].second; }
+  int width(size_t reg) const { return net(reg).width; }
+  uint64_t read(size_t reg) const { return net(reg).get(); }
   // Flips these bits; follow() does what follows.
   void upset(size_t reg, uint64_t bits);
   // All registers at once, without the edge of a reset; called twice, as resets among them follow.
@@ -82,13 +96,17 @@ class OwnCard {
   void *library_ = nullptr;
   decltype(&mmcs_card_destroy) destroy_ = nullptr;
   CardModel *model_ = nullptr;
-  std::vector<Net> inputs_, outputs_;
+  std::vector<Net> inputs_, outputs_;  // of the bus; behind its inputs those of encoders
+  Net joints_[kPorts], drive_, slots_, clashes_;
+  std::string clash_;
   uint64_t sent_[kMostOutputs] = {};
   std::vector<std::pair<char *, size_t>> memory_;  // of the registers: where, and how many bytes
   std::vector<char> known_;                        // what is there, as seen last
   std::vector<char> marked_;                       // as mark() found it
   std::vector<uint64_t> marked_inputs_;
   bool changed_ = true, active_ = true;
+  bool looked_ = false;  // known_ is of the last clock, and nothing has happened since
+  unsigned busy_ = 0;    // clocks in a row in which it was active
 };
 
 }  // namespace mmcs

@@ -233,6 +233,12 @@ std::string Machine::check_event(const mmcs_event &event) const {
                     : input.about.scope == MMCS_SCOPE_CARD ? config_.cards
                                                            : 1;
   if (event.index < (plant ? -1 : 0) || event.index >= limit) return "no such axis or card";
+  const bool of_mark1 = input.about.scope != MMCS_SCOPE_MACHINE &&
+                        (input.action == Action::kUpset || input.action == Action::kPin) &&
+                        input.number != static_cast<int>(Pin::kAxisEnable);
+  const int slot = input.about.scope == MMCS_SCOPE_AXIS ? event.index / 2 : event.index;
+  if (of_mark1 && model_->own_card() && model_->own_card()->stands_in(slot))
+    return "an own card is in that slot, not a Mark I";
   if (event.value < input.about.low || event.value > input.about.high) return "value out of range";
   if (input.native() && config_.host != MMCS_HOST_NATIVE) {
     return "a real processor has no such input";

@@ -45,6 +45,15 @@ struct Net {
       std::memcpy(at, &value, std::min(static_cast<size_t>(bytes), sizeof value));
     }
   }
+  // Bits of one that may be longer; lsb % 8 of them and these are 64 at most.
+  uint64_t get(int lsb, int count) const {
+    return part(lsb).get() >> lsb % 8 & ((uint64_t{1} << count) - 1);
+  }
+  void put(int lsb, int count, uint64_t value) const {
+    const Net net = part(lsb);
+    const uint64_t mask = ((uint64_t{1} << count) - 1) << lsb % 8;
+    net.put((net.get() & ~mask) | (value << lsb % 8 & mask));
+  }
   // All bytes of it. Bits that it does not have are dropped: the model trusts them to be 0.
   void load(const uint8_t *from) const {
     std::memcpy(at, from, static_cast<size_t>(bytes));
@@ -53,6 +62,13 @@ struct Net {
         at[place + bit / 8] = static_cast<char>(at[place + bit / 8] & ~(1 << bit % 8));
       }
     }
+  }
+
+ private:
+  // The bytes from a bit on.
+  Net part(int lsb) const {
+    const int skipped = lsb / 8, rest = std::min(8, bytes - skipped);
+    return {at + skipped, rest, 8 * rest, rest};
   }
 };
 

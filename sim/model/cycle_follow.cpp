@@ -131,10 +131,16 @@ bool Rack::Cycles::tell_card(const Trace &trace) {
   card.mark();
   const uint32_t *value = values_;
   auto input = trace.card.begin();
+  const auto &edges = rack_.edges_;
+  auto edge = edges.all.begin() + static_cast<std::ptrdiff_t>(edges.next);
   for (uint32_t clock = 1; clock <= trace.end; ++clock) {
     bool answers = card.active() && card.clock();
     for (; input != trace.card.end() && input->clock == clock; ++input)
       card.put(input->input, *value++);
+    for (; edge != edges.all.end() && edge->clock < rack_.clock_ + clock; ++edge) {
+      for (int pin = 0; pin < 3; ++pin)
+        card.take(static_cast<Port>(kEncA + pin), edge->axis, edge->pins >> pin & 1);
+    }
     answers = card.follow() || answers;
     if (answers) {
       card.go_back();

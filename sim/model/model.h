@@ -161,6 +161,16 @@ class Model : protected Ports {
   void open_card(const std::string &library) {
     if (!library.empty()) own_card_ = std::make_unique<OwnCard>(library);
   }
+  // The Mark I of this slot has given its place to an own card: it has no power.
+  bool pulled(int slot) const { return own_card_ && own_card_->stands_in(slot); }
+  void pull_cards() {
+    for (int slot = 0; slot < cards(); ++slot) {
+      if (pulled(slot)) cut(card_path(slot), "power_i", 1, 0);
+    }
+  }
+  void look_at_card() {
+    if (failure_.empty() && !upset_) failure_ = own_card_->clash();
+  }
   void disturb() override { upset_ = true; }
   uint64_t read_register(const std::string &reg) override { return read(find_register(reg)); }
 

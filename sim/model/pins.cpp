@@ -109,6 +109,10 @@ void Pins::hold(Port port, uint64_t low, uint64_t high) {
 }
 
 void Pins::put(int port, int lsb, int width, uint64_t value) {
+  const int field = kPortFields[port];
+  for (; 0 < field && field < width; lsb += field, width -= field, value >>= field) {
+    put(port, lsb, field, value);
+  }
   if (port < kVmeSysreset) {
     free_[port] = value;
     value = through(port, value);

@@ -61,6 +61,7 @@ bool pin_is_port(Pin pin);
 class Ports {
  public:
   virtual ~Ports() = default;
+  // A field of a port (kPortFields).
   virtual void put(Port port, int lsb, int width, uint64_t value) = 0;
   // Bits of a port of a board (in kWires.boards) are held at those of a value; the others are free.
   virtual void cut(const std::string &board, const char *port, uint64_t mask, uint64_t value) = 0;

@@ -35,16 +35,6 @@ std::string sentence(const std::string &said) {
   return said.empty() ? "an assertion of the RTL failed" : said;
 }
 
-// The bytes of a long variable from a bit on, as a short one; the bit is its lsb % 8.
-Net part_of(const Net &net, int lsb) {
-  const int at = lsb / 8, bytes = std::min(8, net.bytes - at);
-  return {net.at + at, bytes, 8 * bytes, bytes};
-}
-
-uint64_t bits_of(const Net &net, int lsb, int width) {
-  return part_of(net, lsb).get() >> lsb % 8 & ((uint64_t{1} << width) - 1);
-}
-
 }  // namespace
 
 Plain::Plain(uint64_t seed, const std::string &card) : context_(create_context(seed)) {
@@ -100,7 +90,8 @@ void Plain::power_on() {
   const Net reset = board_->port("rst_ni");
   reset.put(0);
   clock_ = -kResetClks;
-  if (own_card_) board_->eval();
+  if (own_card_) board_->eval();  // the first frees what is cut
+  pull_cards();
   follow_card();
   for (int i = 0; i < kResetClks; ++i) {
     if (i == 8) reset.put(1);
@@ -134,6 +125,7 @@ void Plain::exchange(bool card_changed) {
         card_outputs_[n].put(own_card_->output(static_cast<OwnCard::Output>(n)));
       }
       board_->eval();
+      look_at_card();
     }
     for (size_t n = 0; n < card_inputs_.size(); ++n) own_card_->put(n, card_inputs_[n].get());
     card_changed = own_card_->follow();
@@ -214,11 +206,12 @@ void Plain::look_for_errors() {
 }
 
 int16_t Plain::drive(int axis) const {
-  return static_cast<int16_t>(bits_of(drive_, 16 * axis, 16));
+  if (pulled(axis / 2)) return own_card_->drive(axis);
+  return static_cast<int16_t>(drive_.get(16 * axis, 16));
 }
 
 unsigned Plain::leds(int card) const {
-  return static_cast<unsigned>(bits_of(leds_, 11 * card, 11));
+  return static_cast<unsigned>(leds_.get(11 * card, 11));
 }
 
 unsigned Plain::vme_sample() {
@@ -229,11 +222,8 @@ unsigned Plain::vme_sample() {
 }
 
 void Plain::put(Port port, int lsb, int width, uint64_t value) {
-  const Net &net = ports_[port];
-  if (!net) return;
-  const Net part = part_of(net, lsb);
-  const uint64_t mask = ((uint64_t{1} << std::min(width, 8 * net.bytes - lsb)) - 1) << lsb % 8;
-  part.put((part.get() & ~mask) | (value << lsb % 8 & mask));
+  if (!ports_[port] || (own_card_ && own_card_->take(port, lsb, value))) return;
+  ports_[port].put(lsb, width, value);
 }
 
 // By Verilator's own means (plain.vlt).

@@ -43,6 +43,7 @@ Rack::Rack(bool skip, uint64_t seed, const std::string &card)
   if (const char *hits = std::getenv("MMCS_CHECK"))
     check(static_cast<int>(std::strtol(hits, nullptr, 10)));
   wire();
+  pull_cards();
   power_on();
 }
 
@@ -110,6 +111,7 @@ void Rack::send_card() {
                  card.output(OwnCard::kIrq));
   glue_changed_ = true;
   put_net(card_.wait, 0, 1, card.output(OwnCard::kWait));
+  look_at_card();
 }
 
 // Observed outputs of a part that have changed go to other parts and to nets.

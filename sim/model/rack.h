@@ -60,6 +60,7 @@ class Rack : public Model {
   bool dtack() const override { return dtack_level() == 0; }
   bool alive() const override { return alive_->get() != 0; }
   int16_t drive(int axis) const override {
+    if (pulled(axis / 2)) return own_card_->drive(axis);
     return static_cast<int16_t>(drives_[static_cast<size_t>(axis / 2)]->value() >> 16 * (axis & 1));
   }
   unsigned leds(int card) const override {
@@ -88,7 +89,7 @@ class Rack : public Model {
     Net net;
     uint32_t seen = 0;
     uint32_t get() const {
-      part->load();
+      if (part) part->load();  // else of an own card
       return static_cast<uint32_t>(net.get());
     }
   };

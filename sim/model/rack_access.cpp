@@ -14,16 +14,10 @@ unsigned Rack::vme_sample() {
   return static_cast<unsigned>(iackout_->get() << 17 | d_oe_->get() << 16 | vme_data_.get());
 }
 
-void Rack::put(Port port, int lsb, int width, uint64_t value) {
+void Rack::put(Port port, int lsb, int, uint64_t value) {
   const Input &input = inputs_[port];
   const size_t n = static_cast<size_t>(lsb >> input.shift);
-  if (width > 1 << input.shift) {
-    const int field = 1 << input.shift, whole = kWires.nets[static_cast<size_t>(input.net)].width;
-    for (; width > 0 && lsb < whole; lsb += field, width -= field, value >>= field) {
-      put(port, lsb, std::min(width, field), value);
-    }
-    return;
-  }
+  if (own_card_ && own_card_->take(port, lsb, value)) card_.changed = true;
   if (n + 1 >= input.fields.size()) return;  // of no axis or card that the machine has
   const unsigned *field = &input.fields[n];
   const Arrival *to = input.arrivals.data() + field[0];
@@ -125,6 +119,11 @@ Rack::Watched Rack::find_watched(const std::string &name) {
   Watched found{};
   if (const int reg = find_register(name); reg >= 0) {
     found.net = find(reg, &found.part).net;
+    return found;
+  }
+  for (size_t reg = 0; own_card_ && reg < own_card_->size(); ++reg) {
+    if (own_card_->name(reg) != name) continue;
+    found.net = own_card_->net(reg);
     return found;
   }
   for (size_t n = 0; n < kWires.boards.size(); ++n) {

@@ -184,6 +184,7 @@ void Rack::wire_input(Port port) {
   for (int at = 0; at < whole; at += 1 << input.shift) {
     for (const Reader &r : readers_[static_cast<size_t>(n)]) {
       if (r.lsb >= at + width || at >= r.lsb + r.width) continue;
+      if (own_card_ && own_card_->has(port, at)) continue;
       const PartPort &to = *r.wire->port;
       const int up = std::max(at - r.lsb, 0), down = std::max(r.lsb - at, 0);
       const uint64_t own = (uint64_t{1} << width) - 1, all = (uint64_t{1} << r.width) - 1;

@@ -102,7 +102,7 @@ HAND_ON = ("mmcs/__init__.py", "mmcs/__main__.py", "mmcs/front.py")  # public na
 # What looks into a folder of mmcs/ from outside, to test, ship or attack it.
 DEEPER = {
     "labs/tests/": {"scenario", "tests", "view"},
-    "sim/tests/": {"engine", "tests"},
+    "sim/tests/": {"engine", "runs", "tests"},
     "studies/": {"sweeps"},
     "tools/": {"cli", "device", "engine", "runs", "scenario", "sweeps", "tests", "tool", "view"},
     "web/tests/": {"device", "tests", "tool"},
