@@ -49,7 +49,8 @@ module moving {PORTS}
   delay #(.N(3)) u_delay (.ck(clk_i), .d(bits_q[0]), .q(delayed));
   for (genvar n = 0; n < 2; n++) begin : g_half
     logic [3:0] count_q;
-    always_ff @(posedge clk_i) count_q <= count_q + 4'(n) + pc_drq_i[3];
+    always_ff @(posedge clk_i or negedge rst_ni)
+      count_q <= rst_ni ? count_q + 4'(n) + pc_drq_i[3] : 0;
   end
   always_ff @(posedge clk_i) begin
     bits_q <= {{bits_q[29:0], bits_q[30] ^ bits_q[27] ^ (command & ~pc_iow_ni & pc_d_i[0])}};

@@ -94,7 +94,11 @@ void Plain::power_on() {
   pull_cards();
   follow_card();
   for (int i = 0; i < kResetClks; ++i) {
-    if (i == 8) reset.put(1);
+    if (i == 8) {
+      reset.put(1);
+      board_->eval();
+      exchange(false);
+    }
     if (i == kResetClks / 2) pins_.set(Pin::kSysreset, 0, 0);
     lines_ = shown_lines_;
     clock_once();
@@ -111,6 +115,7 @@ void Plain::half(bool rise, double at) {
   clk_.put(rise);
   board_->eval();
   if (!rise) exchange(card_clocked_);
+  if (rise) card_clocked_ = own_card_ && own_card_->clock();
 #if MMCS_TRACE
   if (waves_) waves_->dump(now);
 #endif
@@ -144,7 +149,6 @@ void Plain::clock_once() {
   }
   const double t = static_cast<double>(clock_ + kResetClks) * kPsPerClk;
   half(true, t);
-  card_clocked_ = own_card_ && own_card_->clock();
   apply_held_bits();
   if (pins_.waiting()) pins_.apply();
   half(false, t + kPsPerClk / 2);
