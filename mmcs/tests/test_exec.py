@@ -151,6 +151,8 @@ other = os.fork()  # has the file until it becomes another program: descriptors 
 if other == 0:
     os.dup2(hold, 0)
     os.execvp("cat", ["cat"])  # until the others have had their signal
+while open(f"/proc/{other}/comm").read() != "cat\\n":
+    time.sleep(0.01)
 child = os.fork()
 if child == 0:
     os.close(watch)

@@ -109,11 +109,6 @@ show("exec"), ready(), write(59, 69)
 GENUINE = Program.serve, Server.close
 
 
-def late_line(turns, *line):
-    time.sleep(0.01)
-    turns.__getattr__("line")(*line)
-
-
 @pytest.mark.parametrize(
     "what", [*EXAMPLES_RUN, STOPS, READS, WRITES],
     ids=[*(path.name for path in EXAMPLES_RUN), "stops", "reads", "writes"],
@@ -134,7 +129,8 @@ def test_a_run_is_the_same_whoever_listens(what, tmp_path, monkeypatch):
     for turns, busy in ((64, "exit"), (1, "while :; do :; done")):
         monkeypatch.setattr(server, "TURNS", turns)
         if turns == 1:  # who becomes a line is one before it goes on
-            monkeypatch.setattr(Turns, "line", late_line, raising=False)
+            late = lambda t, *a: time.sleep(0.01) or t.__getattr__("line")(*a)  # noqa: E731
+            monkeypatch.setattr(Turns, "line", late, raising=False)
         out = tmp_path / "out"
         shell = "" if name == "sine.py" else "exec"  # the shell waits, or is the program
         words = ["sh", "-c", f'{shell} "$@" > {out}; exit', "sh", *command]
