@@ -26,7 +26,7 @@ def _difference(record: Record, result) -> str | None:
     if result.hash == record.hash:
         return None
     where = first_difference(record, result.checkpoints)
-    return where or "only in the registers at the end"
+    return where or "the registers at the end; all samples agree"
 
 
 def _other_build(record: Record, result) -> str:
@@ -42,7 +42,7 @@ def cautions(record: Record) -> list[str]:
         found.append(f"recorded by version {record.version}, this is {__version__}")
     for program in record.data.get("program", []):
         if program.get("digest") != digest(program["run"]):
-            found.append(f"recorded with other files than {program['run']!r} names now")
+            found.append(f"files that {program['run']!r} names have changed since the record")
     image, now = record.text.get("image", ""), image_digest(record.host)
     if image != now:
         found.append(f"recorded with the firmware image {image}, this one is {now}")

@@ -152,7 +152,7 @@ class Design:
                 where = "no slot is left" if slot is None else f"slot {slot} is not free"
                 left = ", ".join(map(str, sorted(free))) or "none"
                 fail(self.at(card), f"{where} for card {card.name} and its joints, of which a slot "
-                                    f"has two: {joints(card)}; free are: {left}")  # fmt: skip
+                                    f"has two: {joints(card)}; free slots: {left}")  # fmt: skip
             found[card.name] = seat
             free -= {*seat}
         return found
