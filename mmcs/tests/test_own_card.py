@@ -179,6 +179,8 @@ def test_run_record_replay_and_upset_by_name(tmp_path, monkeypatch):
     card = tmp_path / "pwm_card.sv"
     card.write_text(EXAMPLE.read_text())
     good(call("run", "my.toml"))
+    (tmp_path / "no.toml").write_text((tmp_path / "my.toml").read_text().replace("duty", "none"))
+    one_clear_line(call("check", "no.toml"), '"seu.pwm_card.none_q": this machine has no such')
     report = json.loads((tmp_path / "runs" / "my" / "report.json").read_text())
     assert any("seu.pwm_card.duty_q" in event["text"] for event in report["events"])
     card.unlink()  # the record has it

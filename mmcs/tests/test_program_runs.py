@@ -176,7 +176,8 @@ run = "sleep 100"
 @pytest.mark.parametrize("text, why", [
     ("[[program]]\nrun = \"'\"", "No closing quotation"),
     ('[[program]]\nrun = " "', "must name a program"),
-    ('[[program]]\nrun = "\'"\n[[program]]\nrun = "./no 3"', "must name a program th"),
+    ('[[program]]\nrun = "\'"\n[[program]]\nrun = "./no 3"',
+     "must name a program that can be executed"),
     ('[[program]]\nrun = "true"\n[[motion]]\nkind = "step"\naxis = 0\nat = 0.1\nto = 5',
      "not together with [[motion]]"),
 ])  # fmt: skip

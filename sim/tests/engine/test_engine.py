@@ -58,7 +58,7 @@ def test_hash_sees_every_difference():
     assert len(set(hashes)) == len(hashes)
 
 
-# Of runs without a fault and with one of each part of the machine.
+# Of scenarios without a fault, and with faults of every part of the machine.
 RESULTS = {
     "lab500": "ba750e5d", "adda_filter": "2ba1d630", "lab500_torque": "b286b0bc",
     "user_loop": "568e4d11", "arm_move": "a4cc731a", "arm_calibrate": "e4ff4d87",

@@ -49,10 +49,13 @@ def result(plan, kind="speed"):
 @pytest.mark.req("API-1", "ENC-1", "DAC-1")
 @pytest.mark.parametrize(("name", "kind"), [
     ("lab500", "speed"), ("lab500", "trust"), ("puma560", "speed"), ("fault_seu_dac", "speed"),
+    ("lab500", "checked"),
 ])  # fmt: skip
-def test_a_mark_i_in_its_place_is_a_mark_i(mark1, name, kind):
-    """Every sample, bus cycle, voltage and line."""
-    duration = 0.2 if kind == "trust" else None
+def test_a_mark_i_in_its_place_is_a_mark_i(mark1, name, kind, monkeypatch):
+    """Every sample, bus cycle, voltage and line. checked: each bus cycle as one step as well."""
+    duration = None if kind == "speed" else 0.2
+    if kind == "checked":
+        kind = monkeypatch.setenv("MMCS_CHECK", "1") or "speed"
     own, before = (result(setup(name, *cards, duration=duration), kind) for cards in ((mark1,), ()))
     assert own.checkpoints == before.checkpoints and len(own.checkpoints) > 4
     assert own.log.tobytes() == before.log.tobytes() and own.states == before.states
@@ -77,7 +80,8 @@ def test_a_snapshot_while_it_moves(mark1):
 
 
 @pytest.mark.parametrize(("cards", "slot", "why"), [
-    (1, 1, "its joints, of which a slot has two: 2; free slots: 0"),
+    (1, 1, "slot 1 is not free for card a and its joints, "
+           "of which a slot has two: 2; free slots: 0"),
     (2, 0, "slot 0 is not free for card a "), (2, None, "no slot is left for card a "),
 ])  # fmt: skip
 def test_slots_are_those_of_the_crate(mark1, tmp_path, cards, slot, why):
