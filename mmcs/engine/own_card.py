@@ -46,11 +46,16 @@ def library(texts: list[str], files: list[str], slots: list, clk_hz: int) -> Pat
 
 def inputs(path: Path) -> list[str]:
     """The upsets of the cards' registers, numbered behind the inputs of the machine."""
+    return [UPSET + name for name in registers(path)]
+
+
+def registers(path: Path) -> list[str]:
+    """The names of the cards' registers; elements of a memory each have one."""
     from cffi import FFI
 
     ffi = FFI()
     ffi.cdef("const char *mmcs_card_register_name(int n);")
     lib, names = ffi.dlopen(str(path)), []
     while (name := lib.mmcs_card_register_name(len(names))) != ffi.NULL:
-        names.append(UPSET + ffi.string(name).decode())
+        names.append(ffi.string(name).decode())
     return names

@@ -53,14 +53,13 @@ def find(socket: Path, t: float, ms: float) -> Moment:
 
 def waves(socket: Path, t: float, ms: float) -> dict:
     """What the nets of the prepared view do, as web/wave_data.js has it."""
-    from mmcs.engine.own_card import inputs
-    from mmcs.inputs import UPSET
+    from mmcs.engine.own_card import registers
     from mmcs.runs.machine import card_of, machine
     from mmcs.view.watched import changes, groups, nets
 
     moment = find(socket, t, ms)
     card = card_of(moment.setup)
-    own = [name[len(UPSET) :] for name in inputs(card) if name[-1] != "]"] if card else []
+    own = [name for name in registers(card) if name[-1] != "]"] if card else []
     with machine(moment.setup, skip=False) as sim:
         sim.restore_bytes(moment.snapshot, moment.past)
         sim.run(moment.from_s - BUSY_S)

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Data while a cycle is worked out (cycle_trace.cpp).
 //
-//   Values     of one place: those of Patterns at once, and the actual one. A bit that the place
-//   had
-//              when the cycle began has its own pattern over them, which shows where the bit goes
+//   Values     of one place: those of Patterns at once, and the actual one. Each bit of the begin
+//              of the cycle has its own pattern over them, which shows where the bit goes
 //   CycleData  the values of all places; conditions under which what was found holds
 #pragma once
 

@@ -114,8 +114,10 @@ void Plain::half(bool rise, double at) {
   context_->time(now);
   clk_.put(rise);
   board_->eval();
-  if (!rise) exchange(card_clocked_);
-  if (rise) card_clocked_ = own_card_ && own_card_->clock();
+  if (rise)
+    card_clocked_ = own_card_ && own_card_->clock();
+  else
+    exchange(card_clocked_);
 #if MMCS_TRACE
   if (waves_) waves_->dump(now);
 #endif
