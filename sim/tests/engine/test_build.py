@@ -15,13 +15,13 @@ from tools.compiled import ran
 
 pytestmark = pytest.mark.req("API-1")
 MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
-BOARDS = "boards/parts boards/rack wires_c3/logic wires_c3/wires speed_c3/kind"
+BOARDS = "boards/parts boards/tables wires_c3/logic wires_c3/wires"
 # A file, and objects that are compiled of it.
 MADE_OF = {
     "sim/abi/mmcs_sim.h": "obj/engine obj/service",
-    "sim/model/wires.h": "boards/rack boards/shared wires_c3/logic wires_c3/wires",
-    "sim/model/board.h": "boards/parts boards/rack wires_c3/logic",
-    "sim/model/cache.h": "boards/rack",
+    "sim/model/wires.h": "obj/rack obj/learn boards/tables wires_c3/logic wires_c3/wires",
+    "sim/model/board.h": "boards/parts obj/rack obj/learn wires_c3/logic",
+    "sim/model/cache.h": "obj/rack obj/learn",
     "sim/engine/sim.h": "obj/engine",
     "sim/plant/encoder.h": "obj/engine",
     "firmware/mc/mc.h": "obj/engine obj/mc/hw obj/mc/ioctl obj/mc/timer",
@@ -65,7 +65,7 @@ def small(tmp_path):
     for name in ("tools", "rtl", "firmware", "mmcs.core"):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "sim" / "plant").mkdir(parents=True)
-    for name in ("Makefile", "model", "abi"):
+    for name in ("Makefile", "model", "abi", "card"):
         (tmp_path / "sim" / name).symlink_to(ROOT / "sim" / name)
     plant = tmp_path / "sim" / "plant"
     for name, text in {"a.h": "h", "a.cpp": "a", "b.cpp": "b"}.items():
@@ -112,6 +112,21 @@ def test_a_changed_source_is_compiled_whatever_its_time(small, age):
         os.utime(plant / "b.cpp", (time.time() + age,) * 2)
         settled(folder)
         assert (folder / "build/sim/obj/engine.o").stat().st_mtime_ns == before
+
+
+def test_what_is_compiled_while_packages_come_stays(small):
+    """The first digest knows of no Verilator, which nothing early is compiled of."""
+    plant, compiled = small
+    folder = plant.parents[1]
+    settled(folder)
+    compiled()
+    sources = folder / "build/sim/sources"
+    before = sources.read_text().splitlines(keepends=True)
+    for name in ("verilator", "rtl/mmcs.sv"):
+        sources.write_text("".join(line for line in before if not line.endswith(f"  {name}\n")))
+        settled(folder)
+        assert (folder / "build/sim/obj/engine.o").is_file() == (name == "verilator")
+        assert sources.read_text() == "".join(before)
 
 
 def test_what_no_object_defines_ends_the_link(tmp_path):
