@@ -52,7 +52,7 @@ endif
 endif
 
 # While packages come, the compiler is idle: what needs none of them. The build says what does not compile.
-EARLY = for part in rack learn service engine; do test $@ -nt requirements.lock || \
+EARLY = for part in rack service learn engine; do test $@ -nt requirements.lock || \
     env -u MAKEFLAGS make -j1 -f sim/Makefile early-$$part PYTHON="$(PYTHON)"; done
 
 $(VENV)/.sim: requirements.lock pyproject.toml tools/setup_venv.py mmcs/engine/verilator.py
