@@ -17,7 +17,7 @@ TREES = ("sim/abi", "sim/setup", "sim/model", "sim/engine", "sim/plant", "sim/se
          "sim/card", "sim/device", "firmware/mc", "firmware/include")  # fmt: skip
 FILES = ("sim/Makefile", "tools/sources.py", "mmcs.core")
 KINDS = (".c", ".cpp", ".h", ".def", ".py", ".toml", ".sv", ".svh", ".vlt")
-MADE = ("obj", "boards", "wires", "speed_", "trust_", "trace_", "asan_", "web_", "dpi")
+MADE = ("objects", "boards", "wires", "speed_", "trust_", "trace_", "asan_", "web_", "dpi")
 
 
 def sources(root: Path, rtl: str = "rtl") -> dict[str, str]:

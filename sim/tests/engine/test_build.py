@@ -18,13 +18,13 @@ MAKE = ["make", "-f", "sim/Makefile", "MMCS_SIM_LOCKED=1", "CARDS=3"]
 BOARDS = "boards/parts boards/tables wires_c3/logic wires_c3/wires"
 # A file, and objects that are compiled of it.
 MADE_OF = {
-    "sim/abi/mmcs_sim.h": "obj/engine obj/service",
-    "sim/model/wires.h": "obj/rack obj/learn boards/tables wires_c3/logic wires_c3/wires",
-    "sim/model/board.h": "boards/parts obj/rack obj/learn wires_c3/logic",
-    "sim/model/cache.h": "obj/rack obj/learn",
-    "sim/engine/sim.h": "obj/engine",
-    "sim/plant/encoder.h": "obj/engine obj/plant",
-    "firmware/mc/mc.h": "obj/engine obj/mc/hw obj/mc/ioctl obj/mc/timer",
+    "sim/abi/mmcs_sim.h": "objects/engine objects/service",
+    "sim/model/wires.h": "objects/rack objects/learn boards/tables wires_c3/logic wires_c3/wires",
+    "sim/model/board.h": "boards/parts objects/rack objects/learn wires_c3/logic",
+    "sim/model/cache.h": "objects/rack objects/learn",
+    "sim/engine/sim.h": "objects/engine",
+    "sim/plant/encoder.h": "objects/engine objects/plant",
+    "firmware/mc/mc.h": "objects/engine objects/mc/hw objects/mc/ioctl objects/mc/timer",
     "rtl/mark1/mark1_axis.sv": BOARDS,
     "rtl/mmcs_assert.svh": BOARDS,
     "rtl/mmcs.sv": BOARDS,
@@ -72,8 +72,8 @@ def small(tmp_path):
         define(plant / name, text)
 
     def compiled():
-        made("-s", "build/sim/obj/plant.o", folder=tmp_path)
-        told = ran("nm", "build/sim/obj/plant.o", cwd=tmp_path, check=True).stdout
+        made("-s", "build/sim/objects/plant.o", folder=tmp_path)
+        told = ran("nm", "build/sim/objects/plant.o", cwd=tmp_path, check=True).stdout
         return set(re.findall(r" [RB] (\w+)", told))
 
     return plant, compiled
@@ -108,10 +108,10 @@ def test_a_changed_source_is_compiled_whatever_its_time(small, age):
             settled(folder)
         assert compiled() == set(held.values()) - {""}
     if age is not None:
-        before = (folder / "build/sim/obj/plant.o").stat().st_mtime_ns
+        before = (folder / "build/sim/objects/plant.o").stat().st_mtime_ns
         os.utime(plant / "b.cpp", (time.time() + age,) * 2)
         settled(folder)
-        assert (folder / "build/sim/obj/plant.o").stat().st_mtime_ns == before
+        assert (folder / "build/sim/objects/plant.o").stat().st_mtime_ns == before
 
 
 def test_what_is_compiled_while_packages_come_stays(small):
@@ -125,7 +125,7 @@ def test_what_is_compiled_while_packages_come_stays(small):
     for name in ("verilator", "rtl/mmcs.sv"):
         sources.write_text("".join(line for line in before if not line.endswith(f"  {name}\n")))
         settled(folder)
-        assert (folder / "build/sim/obj/plant.o").is_file() == (name == "verilator")
+        assert (folder / "build/sim/objects/plant.o").is_file() == (name == "verilator")
         assert sources.read_text() == "".join(before)
 
 
@@ -205,7 +205,7 @@ def test_a_tool_that_is_missing_is_named(monkeypatch, tmp_path, tool):
 
 SMALL = """
 $(shell echo >>made)
-O := build/sim/obj
+O := build/sim/objects
 $(shell mkdir -p build/sim && sha256sum sim/x.cpp >build/sim/sources)
 LIB := build/sim/speed_c1/libmmcs_sim.so
 $(LIB): $(O)/x.o
@@ -238,7 +238,7 @@ def test_a_damaged_build_is_made_again(library, damage):
     """As a full disk or a kill leaves it; make, compiler and linker are real. A library that is not
     the one that was built is never loaded."""
     path = build.ensure_library(1, "speed")
-    whole, objects = path.read_bytes(), library / "build" / "sim" / "obj"
+    whole, objects = path.read_bytes(), library / "build" / "sim" / "objects"
     sum_ = path.with_name(f"{path.name}.sum")
     if damage == "object":
         os.truncate(objects / "x.o", 100)
@@ -258,7 +258,7 @@ def test_a_damaged_build_is_made_again(library, damage):
 def test_a_build_of_which_files_are_gone_is_made_again(library):
     """Stamps alone tell make that all is there."""
     build.ensure_library(1, "speed").unlink()
-    (library / "build" / "sim" / "obj" / "x.o").unlink()
+    (library / "build" / "sim" / "objects" / "x.o").unlink()
     stamp = library / "build" / "sim" / "boards" / "boards.stamp"
     rule = "$(O)/x.o: sim/x.cpp\n"
     gone = f"\t@! test -e {stamp} || {{ echo fatal error: x.h: No such file; exit 1; }}\n"
