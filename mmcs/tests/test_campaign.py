@@ -13,9 +13,9 @@ from mmcs.inputs import INPUTS
 from mmcs.sweeps import stops
 from mmcs.sweeps import twin as twins
 from mmcs.sweeps.campaign import make_plan, run_fault, twin_of
-from mmcs.sweeps.campaign_report import how_far, wilson
+from mmcs.sweeps.campaign_report import how_far
 from mmcs.sweeps.classes import CLASSES, DANGEROUS, HARMLESS, LATE, MASKED, NEAR, SAFE, Seen, judge
-from mmcs.sweeps.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault, line_name, plain
+from mmcs.sweeps.faults import KILLS, LINES, MESSAGES, PINS, SORTS, Fault
 from mmcs.sweeps.store import ROWS
 from mmcs.sweeps.twin import Twin
 from mmcs.tests.conftest import cluster, good, one_clear_line
@@ -262,25 +262,6 @@ def test_every_fault_drawn_is_one_that_a_scenario_takes(plan):
         fault, data = plan.fault(n), dict(plan.setups["arm_move"].data)
         data |= {"event": [fault.event]} if fault.event else {"call": [fault.call]}
         make_setup(plan.setups["arm_move"].path, data, files)
-
-
-NAMES = {
-    "vme_a_stuck0 0": "VME A1 at 0", "vme_am_stuck1 5": "VME AM5 at 1",
-    "vme_control_stuck0 3": "VME WRITE* at 0", "pc_d_stuck1 7": "ribbon D7 at 1",
-    "pc_a_stuck0 9": "ribbon A9 at 0", "pc_control_stuck1 1": "ribbon IOW# at 1",
-    "MSETPARAM a0": "MSETPARAM a0",
-}  # fmt: skip
-
-
-def test_lines_have_the_names_of_their_bus_and_a_register_one_for_all_cards_and_axes():
-    assert {what: line_name(what) for what in NAMES} == NAMES
-    assert plain("g_card[2].u_card.g_axis[1].u_axis.u_dac.rank1_q") == "card.u_axis.u_dac.rank1_q"
-
-
-def test_wilson():
-    known = {(0, 10): (0, 0.2775), (10, 10): (0.7225, 1), (5, 10): (0.2366, 0.7634), (0, 0): (0, 1)}
-    for seen, bounds in known.items():
-        assert wilson(*seen) == pytest.approx(bounds, abs=1e-4)
 
 
 # --- ways to stop ------------------------------------------------------------------------------

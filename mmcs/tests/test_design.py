@@ -155,13 +155,6 @@ def test_an_integral_adds_a_pole_and_leaves_the_others(slow):
     assert found.coeffs == pytest.approx((pair * np.poly1d([1.0, slow])).coeffs)
 
 
-def test_command(mmcs):
-    assert good(mmcs("design", "--wn", "60")).startswith("PD by backward at 1000 us: P ")
-    made = good(mmcs("design", "-p", "4", "-d", "0.1", "--toml"))
-    assert "warning: rounding changes the gain by up to 6.9 %" in mmcs("design", "-p", "1e-9")[2]
-    assert "a0 = 104\na1 = -100\na2 = 0\nb0 = 1\nb1 = 0\n" in made
-
-
 @pytest.mark.req("DAC-1")
 @pytest.mark.parametrize(("method", "rings"), [("bilinear", True), ("backward", False)])
 def test_ringing_in_the_machine(method, rings):
@@ -263,12 +256,3 @@ def test_the_first_hour_tells_what_the_design_expects(mmcs, tmp_path):
     rise, off = re.search(r"rises in (\d+) ms, .* ends (\d+) counts off", said).groups()
     told = f"rises in {rise} ms and ends {off} counts from its setpoint"
     assert told in " ".join(page.split())
-
-
-def test_a_step_that_friction_stops_is_told(mmcs, tmp_path):
-    (tmp_path / "stiff.toml").write_text(
-        'title = "stiff"\n[[axis]]\ninertia = 1e-5\nkm = 0.02\namp_gain = 0.3\n'
-        "counts_per_rev = 2000\ncoulomb_pos = 0.02\n"
-    )
-    said = mmcs("design", "-p", "1", "-d", "0.01", "--robot", str(tmp_path / "stiff.toml"))[1]
-    assert "expected: a step of 200 counts ends at" in said and "short of 90 %" in said

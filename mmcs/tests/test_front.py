@@ -43,12 +43,6 @@ def test_a_run_is_that_of_the_command(lab500, tmp_path, mmcs):
     assert (frame["encoder_0"].to_numpy() == lab500.column(0, "encoder")).all()
 
 
-def test_a_run_shows_itself(lab500, tmp_path):
-    assert lab500._repr_svg_().startswith("<?xml") and lab500.hash in repr(lab500)
-    lab500.plot(tmp_path / "step.svg")
-    assert "<svg" in (tmp_path / "step.svg").read_text()
-
-
 def test_values_of_a_scenario(lab500):
     other = mmcs.run("lab500", "robot.axis.0.inertia=1e-5", seed=7)
     assert other.report["seed"] == 7 and other.hash != lab500.hash

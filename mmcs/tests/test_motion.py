@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from mmcs.scenario.load import load, load_robot
+from mmcs.scenario.load import load_robot
 from mmcs.scenario.robot_header import header, joint_of
 from mmcs.tests.device_bench import (
     EXAMPLES,
@@ -134,10 +134,3 @@ def test_home_on_the_machine(tmp_path):
     for line, degrees in zip(said.splitlines(), (70.0, -130.0), strict=False):
         want = math.floor(-math.radians(degrees) * counts + 0.5)
         assert "0 rad is count" in line and int(line.split()[-1]) == want
-
-
-def test_the_header_is_of_the_scenario_s_robot():
-    text = header("puma560", 1000)
-    for params in load("puma560").params:
-        assert f".a0 = {params['a0']}, " in text
-        assert f".b0 = {params['b0']}, " in text and f".ilim = {params['ilim']}, " in text

@@ -14,7 +14,6 @@ import pytest
 from mmcs.runs import record as records
 from mmcs.runs.record import NAME
 from mmcs.scenario.load import load
-from mmcs.service import log_lines
 from mmcs.tests.conftest import GOOD, call, good, one_clear_line
 
 EVENT = """
@@ -121,12 +120,6 @@ def test_difference_that_no_sample_shows(ran):
     assert "bus cycles" in where
     assert records.first_difference(record, points) is None
     assert records.first_difference(record, points[:3]).endswith("never comes")
-
-
-def test_lines_of_a_log():
-    log = np.random.default_rng(4).integers(-999, 999, (100, 15)) / 7
-    line = ",".join(["%.6f"] + (["%d"] * 6 + ["%.9f"]) * 2)
-    assert log_lines(15, log).decode().split("\n")[70] == line % tuple(log[70])
 
 
 @pytest.mark.req("SW-1")

@@ -3,7 +3,6 @@
 
 import errno
 import json
-import re
 from types import SimpleNamespace
 
 import pytest
@@ -56,35 +55,6 @@ def test_an_expected_refusal_is_of_one_request(refused, granted):
         refused=refused * [("MENABLE", errno.EIO)], assertion=False, ended="",
     )  # fmt: skip
     assert [v["ok"] for v in judge(result, [])] == [refused > 0] + granted * [False]
-
-
-FIELDS = {
-    "scenario", "simulated_s", "wall_s", "rtf", "clk_hz", "cycles", "hash", "host", "cards",
-    "axes", "stats", "events", "expect",
-}  # fmt: skip
-
-
-def test_report_log_and_plot(mmcs, scenario, tmp_path):
-    out = tmp_path / "results"
-    text = good(mmcs("run", scenario(), "--out", out, "--seed", 7), silent=True)
-    report = json.loads((out / "report.json").read_text())
-    assert report.keys() >= FIELDS
-    assert (report["scenario"], report["host"], report["cards"]) == ("test", "native", 1)
-    assert (report["clk_hz"], report["seed"]) == (8_000_000, 7)
-    assert report["cycles"] == pytest.approx(report["simulated_s"] * 8e6, abs=50)
-    axis = report["axes"][0]
-    assert axis.keys() >= {"axis", "rise_ms", "overshoot_pct", "settle_ms", "steady_error_counts"}
-    assert axis["rise_ms"] == pytest.approx(46, abs=1)
-    assert report["stats"].keys() >= {"interrupts", "missed", "overruns", "panics"}
-    lines = (out / "log.csv").read_text().splitlines()
-    names = "setpoint_0,encoder_0,velocity_0,error_0,current_0,errcode_0,angle_rad_0"
-    assert lines[0] == "t_s," + names
-    assert len(lines) == 301
-    assert re.match(r"0\.29\d{4},200,195,0,5,\d+,0,0\.6117\d{5}$", lines[-1])
-    picture = (out / "plot.svg").read_text()
-    assert picture.startswith("<?xml") and "setpoint" in picture and "current" in picture
-    for word in ("real-time factor", "hash 0x", "axis", f"{out}/plot.svg", "next: mmcs trace"):
-        assert word in text
 
 
 EXPECT = """
@@ -164,14 +134,6 @@ def test_units(scenario):
     assert setup.segments[0]["to"] == pytest.approx(-62.6111 * 1000 / 360)
 
 
-def test_list_show_check(mmcs):
-    names = [line.split()[0] for line in good(mmcs("list")).splitlines()]
-    assert {"lab500", "puma560"} <= set(names)
-    for name in names[::10]:
-        good(mmcs("check", name), silent=True)
-        assert name in good(mmcs("show", name), silent=True)
-
-
 class Wall:
     """A clock on the wall that moves by sleep, and by what each step of the run costs."""
 
@@ -198,15 +160,6 @@ def test_real_time_run_waits_for_the_wall_unless_it_is_behind(
     monkeypatch.setattr(session, "time", wall)
     good(mmcs("run", scenario(), "--realtime", "--out", tmp_path / "out"), silent=True)
     assert sum(wall.slept) == pytest.approx(slept)
-
-
-def test_a_dash_in_the_table_is_explained_under_it(mmcs, scenario, tmp_path):
-    text = mmcs("run", scenario(), "--set", "motion.0.to=1000", "--out", tmp_path / "step")[1]
-    assert "-: not a step" not in text
-    ramp = GOOD.replace('kind = "step"', 'kind = "ramp"\nduration = 0.1')
-    text = mmcs("run", scenario(ramp), "--out", tmp_path / "ramp")[1]
-    why = "not a step, or never there (rise: 90 % of the step; settled: within 2 % of it)"
-    assert f"-: {why}" in text
 
 
 def test_a_run_of_another_host_has_a_folder_of_its_own(mmcs, scenario, monkeypatch):

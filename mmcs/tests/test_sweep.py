@@ -140,23 +140,6 @@ def undisturbed(tmp_path_factory):
     return path, folder / "out", said
 
 
-def test_table_and_summary(undisturbed):
-    path, folder, out = undisturbed
-    rows = rows_of(folder)
-    assert [row["run"] for row in rows] == [str(n) for n in range(8)]
-    assert all(row["status"] == "ok" and row["hash"].startswith("0x") for row in rows)
-    assert all(row["settle_ms"] == row["settle_ms_0"] == "inf" for row in rows)  # 30 ms only
-    assert "settle_ms           │ never │  never" in out
-    assert len({row["hash"] for row in rows}) == 8
-    assert "8 of 8 runs, varied: axis.0.b0, seed" in out
-    command = next(line for line in out.splitlines() if line.startswith("the worst again: "))
-    sets = [w.partition("=")[::2] for w in command.split() if "=" in w]
-    again = sweep_run.run_row(load(str(path), tuple(f"{k}={v}" for k, v in sets)))
-    (worst,) = [row for row in rows if all(row[k] == v for k, v in sets)]
-    assert again["hash"] == worst["hash"]
-    assert float(worst["rms_error_counts"]) == max(float(row["rms_error_counts"]) for row in rows)
-
-
 def test_two_workers_one_of_them_killed(undisturbed):
     """The killed worker's run is repeated; every row is there once, and the same."""
     path, folder, _ = undisturbed

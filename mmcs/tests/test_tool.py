@@ -263,37 +263,6 @@ def test_a_predicted_step_knows_limit_and_friction():
 TOOK = {"rise_ms": 50.0, "overshoot_pct": 1.0, "settle_ms": 100.0, "steady_error_counts": 1.0}
 
 
-@pytest.mark.req("TOOL-1")
-@pytest.mark.parametrize("changes,param,unmet,word", [
-    ({}, {}, (), "As asked: rise 50 ms"),
-    ({"rise_ms": None}, {}, ("rise",), "the step does not arrive"),
-    ({"rise_ms": 120.0}, {}, ("rise",), "it rises in 120 ms instead of 56"),
-    ({"rise_ms": 120.0}, {"ilim": 300}, ("rise",), "The current is at ilim 300: raise it"),
-    ({"overshoot_pct": 8.0}, {}, ("overshoot",), "it overshoots by 8 % instead of 0"),
-    ({"settle_ms": 1184.0}, {}, ("settling",), "it settles in 1184 ms instead of 97"),
-    ({"settle_ms": None}, {}, ("settling",), "it never settles instead of 97"),
-    ({"settle_ms": None}, {"a0": 9 * 4526, "a1": -9 * 4416}, ("settling",), "sample more often"),
-    ({"settle_ms": None, "steady_error_counts": -8.0}, {}, ("error",), "Friction holds it"),
-    ({"overshoot_pct": 8.0}, {"a0": 8000, "a1": -7900, "b1": -20}, ("overshoot",), "too coarse"),
-])  # fmt: skip
-def test_auto_tune_is_judged_by_what_was_asked(changes, param, unmet, word):
-    """Not by what it predicted of itself."""
-    rows = {"t": [0.0, 0.001], "y": [0.0, 190.0], "u": [300.0, 300.0], "size": 200}
-    motor, wish = Motor(1450.0, 0.3, 100.0, 100.0, 1.0), judge.Wish(60.0, 1.0, 0.001)
-    verdict = judge.judge(TOOK | rows | changes, wish, motor, PD | param)
-    assert verdict.unmet == unmet and word in verdict.text and verdict.met == (not unmet)
-
-
-@pytest.mark.req("TOOL-1")
-@pytest.mark.parametrize("zeta,overshoot", [(0.5, 16.3), (0.7, 4.6), (1.0, 0.0), (2.0, 0.0)])
-def test_a_wish_is_the_step_of_two_poles(zeta, overshoot):
-    asked = judge.Wish(60.0, zeta, 0.001).figures()
-    assert asked["overshoot_pct"] == pytest.approx(overshoot, abs=0.1)
-    if zeta == 1.0:
-        assert asked["rise_ms"] == pytest.approx(3358 / 60, rel=0.01)
-        assert asked["settle_ms"] == pytest.approx(5834 / 60, rel=0.01)
-
-
 def shake(*requests: str, client=None) -> list[bytes]:
     """The first lines of what a site answers."""
 

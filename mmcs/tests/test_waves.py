@@ -2,7 +2,6 @@
 """Traces: every signal of the prepared views exists in a real trace, with the width given."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ from mmcs.runs.runner import simulate
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
 from mmcs.view import watched, waves
-from mmcs.view.moments import Pass, first_missed, first_pass, variables
+from mmcs.view.moments import first_missed, first_pass, variables
 from mmcs.view.names import registers
 
 SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
@@ -39,26 +38,6 @@ def test_every_signal_of_the_view_is_in_the_trace(trace):
     wanted = [s for signals in waves.GROUPS.values() for s in signals]
     found = {s.path: widths.get(s.full()) for s in wanted}
     assert found == {s.path: s.width for s in wanted}
-
-
-def test_views_are_beside_the_trace(trace):
-    gtkw, sucl = waves.write_views(trace)
-    text = gtkw.read_text()
-    assert text.startswith(f'[dumpfile] "{trace}"')
-    for group, signals in waves.GROUPS.items():
-        assert text.count(f"-{group}\n") == 2
-        assert f"divider_add {group}\n" in sucl.read_text()
-        for signal in signals:
-            assert f"+{{{signal.label}}} {signal.gtkwave()}\n" in text
-    assert len(re.findall(r"^@800200$", text, flags=re.M)) == len(waves.GROUPS)
-    for table in re.findall(r"^\^\d (.*)$", text, flags=re.M):
-        assert Path(table).read_text()
-
-
-def test_rows_have_the_name_of_their_block():
-    labels = [s.label for found in waves.GROUPS.values() for s in found]
-    assert len(labels) == len(set(labels)) and all("." not in name for name in labels)
-    assert {"core/state_q[1:0]", "master/state_q[1:0]", "encoder/count_q[15:0]"} <= set(labels)
 
 
 def test_the_pass_is_whole(trace):
@@ -170,13 +149,3 @@ def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
 
 def opens_at(view: str) -> int:
     return int(re.search(r"^\[timestart\] (\d+)$", view, re.M)[1])
-
-
-def test_the_view_opens_on_a_panic():
-    """Of a pass of 0.2 ms, and a PANIC 2 ms behind it."""
-    seen = Pass(0, 80, 91, 200_000_000)
-    view = waves._gtkwave(Path("x.fst"), Path("x"), waves.GROUPS, seen, (None, 2 * 10**9))
-    zoom = float(re.search(r"^\*(-[\d.]+)", view, re.M)[1])
-    wide = waves.PIXELS * 2**-zoom / waves.FRAME
-    assert opens_at(view) < 2 * 10**9 < opens_at(view) + wide
-    assert " 200000000 -1 2000000000 -1" in view  # D, no E, F

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All that commands print and write, and what functions return, as ever (tools/golden.py)."""
+
+import dataclasses
+import itertools
+import pprint
+import shlex
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mmcs import ROBOTS, ROOT, mcdef
+from mmcs.bridge import fmu
+from mmcs.cli.app import main
+from mmcs.runs.metrics import step_response
+from mmcs.scenario.arm import mass_matrix, stiff_joints
+from mmcs.scenario.files import named
+from mmcs.scenario.identify import Motor, frequency, identify
+from mmcs.scenario.load import load, load_robot
+from mmcs.sweeps import campaign, campaign_report, classes, faults
+from mmcs.tests.conftest import call
+from mmcs.tests.test_identify import recording
+from mmcs.tests.test_tool import PD, TOOK
+from mmcs.tool import judge, tune
+from mmcs.view import chart, film, moments, watched, waves
+from studies import lockstep, one_axis, shrink
+from tools import book, carried, coverage, formal, trace, wavegen, website
+from tools.golden import plain, same
+from tools.mutation import mutants, mutate
+
+# Carried out in a folder of their own; each file that a command leaves there is told after it.
+SESSIONS = {
+    "list": ["list", "faults"],
+    "help": ["--help", *(f"{name} --help" for name in main.commands if name != "lab")],
+    "show": [f"show {name}" for name in named()],
+    "check": [f"check {name}" for name in (*named(), *map(str, sorted(ROBOTS.glob("*.toml"))))],
+    "step": [
+        "run lab500 --out a --bus", "run lab500_nocomp --out b", "compare a b", "replay a",
+        "trace a --at 0.05 --window 2 --out a/t.fst", "export mcap a",
+    ],
+    "arm": ["run puma560_reach --out arm", "export mcap arm"],
+    "calibrate": ["run puma560_calibrate --out arm"],
+    "bounce": ["run puma560_bounce --out arm --duration 0.4"],
+    "events": ["run fault_estop --out a"],
+    "refused": ["run fault_bus_errors --out a", "run user_loop --out b", "compare a b"],
+    "design": [
+        "design -p 4 -d 0.1", "design -p 4 -i 9 -d 0.1 --method bilinear --tau 0.001",
+        "design -p 3 -d 0.05 --method prewarp --prewarp 60 --interval 2000 --axis 2",
+        "design --wn 60 --zeta 0.7 --kick 50 --toml", "design --wn 80 --robot lab500 --toml",
+        "design -p 2 -d 0.1 --method matched --tau 0.002 --scale 256 --axis 4",
+        "design --wn 900", "design --wn 30 --axis 5 --interval 4000 --toml", "design -p 1e-9",
+        "design -p 0.2 -d 0.01 --robot lab500",
+    ],
+    "sweep": [
+        "sweep lab500 --grid axis.0.b0=56,72 --random axis.0.ilim=200..1000 --samples 2 --out s"
+        " --set duration=0.2 --workers 1",
+    ],
+    "campaign": ["campaign arm_move --faults 24 --seed 3 --out c --workers 1"],
+    "programs": ["exec --robot puma560", "exec --robot lab500 --interval 2000", "exec --cflags",
+                 "exec --cflags --modern"],
+}  # fmt: skip
+NOT_TOLD = (".fst", ".jsonl", ".toml", ".txt")
+
+
+@pytest.mark.parametrize("session", SESSIONS)
+def test_what_commands_print_and_write(session, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    answers = []
+    for words in SESSIONS[session]:
+        status, out, err = call(*shlex.split(words))
+        answers.append(plain(f"$ mmcs {words}\n{out}{err}status {status}\n", tmp_path))
+    same(session, "".join(answers))
+    for path in sorted(p for p in tmp_path.rglob("*.*") if p.is_file()):
+        if path.suffix not in NOT_TOLD:
+            text = path.read_bytes().decode(errors="backslashreplace")
+            same(f"{session}/{path.relative_to(tmp_path)}", plain(text, tmp_path))
+
+
+T, MOTOR = np.arange(0, 0.5, 0.001), Motor(1450.0, 0.3, 100.0, 105.0, 0.99)
+WISH = judge.Wish(60.0, 1.0, 0.001)
+ROWS = {"t": [0.0, 0.001], "y": [0.0, 190.0], "u": [300.0, 300.0], "size": 200}
+CHANGES = [
+    {}, {"rise_ms": None}, {"rise_ms": 120.0}, {"overshoot_pct": 8.0}, {"settle_ms": 1184.0},
+    {"settle_ms": None}, {"settle_ms": None, "steady_error_counts": -8.0},
+]  # fmt: skip
+PARAMS = [{}, {"ilim": 300}, {"a0": 9 * 4526, "a1": -9 * 4416}, {"a0": 8000, "b1": -20}]
+MUTANT = mutants.Mutant("axis", "i8255", 7, "-module i8255 -mode inv", "i8255.sv:9", "k")
+POINTS = Counter(
+    {("rtl/mmcs.sv", n, k, "w"): n % 3 for n in range(9, 40) for k in ("line", "toggle")}
+)
+REQUIREMENT = {"section": "1", "text": "it moves", "files": ["rtl/mmcs.sv", "rtl/gone.sv"]}
+CHAPTER = "# A\n[b](../../rtl/mmcs.sv) [c](tool.md#d) ![e](../images/loop.svg) <https://f>\n"
+TESTS = {"sim/tests/x.py::test_a": ["A-1", "Z-9"], "cocotb_tests/card/y.py::test_b": ["B-2"]}
+
+
+def step(tau=0.02, start=0.05, begin=0.0, to=200.0, size=200.0):
+    y = begin + (to - begin) * (1 - np.exp(-np.maximum(T - start, 0) / tau))
+    return step_response(T, np.round(y + 9 * np.sin(40 * T)), start, begin, size)
+
+
+def a_chart():
+    cell = chart.Cell(60, 50, 200, 100, title="a < b", labels=("error", "counts"), below="s")
+    cell.line([0, 1, 2, 4], [3, 3, 5, -2], "#123456", 1.0, label="of <it>")
+    cell.line([0, 1, 2, 4], [1, 0, 0, 2], "#123457", 2.0, steps=True)
+    cell.rule("#654321", 0.5, y=9.0, dash="1 2")
+    cell.rule("#abcdef", 0.5, x=1.0)
+    return [chart.ticks(a, b, 5) for a, b in ((0, 1.25), (-1020, 1020), (8e-4, 42e-4))], (
+        chart.picture([cell], 300, 200, "R&D").splitlines())  # fmt: skip
+
+
+def a_campaign():
+    plan, places = campaign.make_plan(("arm_move", "puma560_hold"), (), 5), range(80)
+    names = ("vme_a_stuck0 0", "vme_control_stuck0 3", "pc_d_stuck1 7", "MSETPARAM a0")
+    seen = itertools.product((False, True), (None, 0.1), (9.9, 10.0, 10.1), (10.0, 10.1))
+    return [
+        [plan.fault(n) for n in places], [plan.command(n) for n in places],
+        [faults.line_name(name) for name in names],
+        [classes.judge(classes.Seen(*one)) for one in seen],
+        [campaign_report.per_million(k, n) for k, n in ((0, 0), (0, 10), (3, 700), (10, 10))],
+    ]  # fmt: skip
+
+
+def a_wave():
+    entry = {"title": "T", "signals": [["a", "x"], ["b", "y", "addr"], ["c", "z", "volt"]]}
+    found = [{0: 1, 500: 0}, {0: 0x204, 250: 0x8000}, {250: 0x9000}]
+    seen = moments.Pass(0, 80, 91, 200_000_000)
+    view = [
+        waves._gtkwave(Path("x.fst"), Path("x"), waves.GROUPS, one, events).splitlines()
+        for one, events in ((seen, (None, 2 * 10**9)), (None, (7, None)), (None, (None, None)))
+    ]
+    return wavegen.wavejson(entry, found, 0), watched.groups(["X", "Y"]), view
+
+
+def a_frequency():
+    t = np.arange(8000) * 1e-3
+    w = 100 * np.sin(2 * np.pi * np.cumsum(1 + 3 * t) * 1e-3)
+    made = frequency(t, w, np.cumsum(w) * 0.02, 2, 25)
+    return len(made.hz), [np.round(x, 3).tolist()[:40] for x in dataclasses.astuple(made)]
+
+
+def a_report(path):
+    statuses = [coverage.report(POINTS, some) for some in (True, False)]
+    return statuses, (path / "report.txt").read_text().splitlines()
+
+
+VALUES = {
+    "step response": lambda _: [
+        step(), step(to=175.0), step(begin=-10.0), step(to=-175.0, size=-200.0), step(tau=0.001),
+        step(start=9.0), step(start=0.4995), step(to=230.0), step(size=0.0), step(start=0.0),
+    ],
+    "judged": lambda _: [judge.judge(TOOK | ROWS | c, WISH, MOTOR, PD | p)
+                         for c in CHANGES for p in PARAMS],
+    "wish": lambda _: [judge.Wish(w, z, 0.002).figures() for w in (20, 90) for z in (0.4, 1, 2)],
+    "predicted": lambda _: [
+        judge.predict(MOTOR, PD | change, 0.001, size, 0.3, 140.0) for size in (200, -90)
+        for change in ({}, {"mode": 17, "ic_pos": 90, "ic_neg": 80}, {"ilim": 150})
+    ],
+    "gains": lambda _: [tune.gains(MOTOR, wn, 0.8, t, slow) for wn in (20.0, 90.0)
+                        for t in (0.001, 0.004) for slow in (0.0, 5.0)],
+    "identified": lambda _: [identify(*recording(lag=lag)) for lag in (0.5, 9.0)],
+    "frequency": lambda _: a_frequency(),
+    "kinematics": lambda _: [
+        load("puma560").about(), *(load("puma560").robot.motors(coupled) for coupled in (0, 1)),
+        film.arm_points(load("puma560").robot.links(), np.arange(6) / 7).tolist(),
+        mass_matrix(load_robot("puma560")[1].link, np.arange(6) / 7).tolist(),
+        stiff_joints(load_robot("puma560")[1]),
+    ],
+    "chart": lambda _: a_chart(),
+    "campaign drawn": lambda _: a_campaign(),
+    "waves": lambda _: a_wave(),
+    "mcdef": lambda _: [mcdef.constants(), mcdef.requests()],
+    "fmu": lambda _: [fmu.model_description(load(name), "token", m).splitlines()
+                      for name, m in (("lab500", True), ("puma560", False))],
+    "website": lambda _: [website.knowledge()["layouts"], website.protocol()["param"],
+                          website._big("x", ["a.js", "preact.module.js"])],
+    "carried": lambda _: [carried.write(task).read_text().splitlines() for task in
+                          ("prove_i8255", "bits_i8255", "deaf_i8254")],
+    "formal": lambda _: [(formal.tasks(f), [formal.depth(f, t) for t in formal.tasks(f)],
+                          formal.slow(f), formal.properties(f)) for f in formal.groups()[:4]],
+    "trace": lambda _: [trace.page({"A-1": REQUIREMENT, "B-2": REQUIREMENT}, TESTS).splitlines(),
+                        sorted(trace.problems({"A-1": REQUIREMENT, "B-2": REQUIREMENT}, TESTS))],
+    "coverage": a_report,
+    "mutants": lambda _: [mutate.table([dataclasses.replace(MUTANT, fate=fate) for fate in (
+        "killed", "killed", "survived", "equivalent")]).splitlines(), mutate.plain(MUTANT)],
+    "book": lambda _: book.chapter(CHAPTER, ROOT / "docs/use/driver.md", set()).splitlines(),
+    "one axis": lambda _: one_axis.move(load_robot("lab500")[1].axis[0], PD, lambda _: 200, 1e-3,
+                                        0.1),
+    "stimulus": lambda _: [list(lockstep.stranger(7, 3, 6, 200, {"a": 4, "b": 1})),
+                           shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
+}  # fmt: skip
+
+
+def rounded(value):
+    """Seven digits of each number."""
+    if isinstance(value, float):
+        return float(f"{value:.7g}")
+    if dataclasses.is_dataclass(value):
+        return rounded(vars(value))
+    if isinstance(value, dict):
+        return {key: rounded(one) for key, one in value.items()}
+    return [rounded(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_what_functions_return(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(coverage, "BUILD", tmp_path)
+    made = pprint.pformat(rounded(VALUES[name](tmp_path)), width=99, sort_dicts=False)
+    out, err = capsys.readouterr()
+    same(name, plain(f"{made}\n{out}{err}", tmp_path))
