@@ -23,7 +23,7 @@ MADE_OF = {
     "sim/model/board.h": "boards/parts objects/rack objects/learn wires_c3/logic",
     "sim/model/cache.h": "objects/rack objects/learn",
     "sim/engine/sim.h": "objects/engine",
-    "sim/plant/encoder.h": "objects/engine objects/plant",
+    "sim/plant/encoder.h": "objects/engine",
     "firmware/mc/mc.h": "objects/engine objects/mc/hw objects/mc/ioctl objects/mc/timer",
     "rtl/mark1/mark1_axis.sv": BOARDS,
     "rtl/mmcs_assert.svh": BOARDS,
@@ -72,8 +72,8 @@ def small(tmp_path):
         define(plant / name, text)
 
     def compiled():
-        made("-s", "build/sim/objects/plant.o", folder=tmp_path)
-        told = ran("nm", "build/sim/objects/plant.o", cwd=tmp_path, check=True).stdout
+        made("-s", "build/sim/objects/engine.o", folder=tmp_path)
+        told = ran("nm", "build/sim/objects/engine.o", cwd=tmp_path, check=True).stdout
         return set(re.findall(r" [RB] (\w+)", told))
 
     return plant, compiled
@@ -108,10 +108,10 @@ def test_a_changed_source_is_compiled_whatever_its_time(small, age):
             settled(folder)
         assert compiled() == set(held.values()) - {""}
     if age is not None:
-        before = (folder / "build/sim/objects/plant.o").stat().st_mtime_ns
+        before = (folder / "build/sim/objects/engine.o").stat().st_mtime_ns
         os.utime(plant / "b.cpp", (time.time() + age,) * 2)
         settled(folder)
-        assert (folder / "build/sim/objects/plant.o").stat().st_mtime_ns == before
+        assert (folder / "build/sim/objects/engine.o").stat().st_mtime_ns == before
 
 
 def test_what_is_compiled_while_packages_come_stays(small):
@@ -125,7 +125,7 @@ def test_what_is_compiled_while_packages_come_stays(small):
     for name in ("verilator", "rtl/mmcs.sv"):
         sources.write_text("".join(line for line in before if not line.endswith(f"  {name}\n")))
         settled(folder)
-        assert (folder / "build/sim/objects/plant.o").is_file() == (name == "verilator")
+        assert (folder / "build/sim/objects/engine.o").is_file() == (name == "verilator")
         assert sources.read_text() == "".join(before)
 
 
