@@ -18,7 +18,7 @@ MOST = 14  # digests of a text, whose row has 100 columns
 VARY = {
     r'("(?:wall_s|rtf|evals|hits|misses|bytes|build|files|log_crc32|sum|sweep)": ?).*': r"\1",
     r"in [\d.]+ s(: real-time factor|, ).*": r"in a time\1",
-    r"mmcs: \d+ of \d+ \w+, about .* left\n": "",
+    r"mmcs: (\d+ of \d+ \w+, about .* left|building .*)\n": "",
     re.escape(__version__): "VERSION",
 }  # fmt: skip
 
