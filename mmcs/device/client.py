@@ -7,7 +7,6 @@ Speaks to a running `mmcs serve` over its socket; the same calls as a C program 
 
 from __future__ import annotations
 
-import array
 import ctypes
 import errno
 import fcntl
@@ -117,11 +116,11 @@ class Device:
     def ioctl(self, request: int, data: bytes = b"") -> bytes:
         """Any request of Table 2.3 by number; the argument in, the argument out."""
         number = _checked("request", request, -(1 << 31), (1 << 32) - 1) & 0xFFFFFFFF
-        return self._ask(wire.IOCTL, number, data)[1]
+        return self._ask(wire.IOCTL, number, data)[0]
 
     def read(self, axes: int = 32) -> list[State]:
         """The states of axes 0 to axes-1 (fewer if the driver controls fewer), of one sample."""
-        _, data, _ = self._ask(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
+        data, _ = self._ask(wire.READ, _checked("axes", axes, 0, 32) * MC_STATE.size)
         return [*map(State._make, MC_STATE.iter_unpack(data))]
 
     def write(self, setpoints: list[int]) -> None:
@@ -142,11 +141,7 @@ class Device:
 
     def wait(self) -> int:
         """Waits for the next servo sample; its number since power-on."""
-        if self._attached:
-            number = array.array("I", [0])
-            fcntl.ioctl(self._fileno(), wire.MWAIT, number)
-            return number[0]
-        return self._get("MWAIT") & 0xFFFFFFFF
+        return int.from_bytes(self._ask(wire.IOCTL, wire.MWAIT)[0], "little")
 
     async def next_sample(self) -> int:
         """wait() for an event loop, whose other tasks go on meanwhile."""
@@ -156,7 +151,7 @@ class Device:
 
     def status(self) -> Status:
         """How the machine stands: its time, whether it is enabled or stopped, by whom and why."""
-        _, data, known = self._ask(wire.IOCTL, wire.MSTATUS, why=True)
+        data, known = self._ask(wire.IOCTL, wire.MSTATUS, why=True)
         time_ns, sample, enabled, stopped, *rest = wire.STATUS.unpack(data)
         return Status(time_ns, sample, bool(enabled), bool(stopped), *rest, known)
 
@@ -266,57 +261,43 @@ class Device:
     def _set(self, name: str, value: int) -> None:
         self.ioctl(getattr(mcdef, name), struct.pack("<I", value & 0xFFFFFFFF))
 
-    def _ask(self, op: int, a: int, data: bytes = b"", why: bool = False) -> tuple[int, bytes, str]:
-        """Result, data and, if asked for, what is to be said of it."""
+    def _ask(self, op: int, a: int, data: bytes = b"", why: bool = False) -> tuple[bytes, str]:
+        """Data and, if asked for, what is to be said of it."""
         if len(data) > wire.MAX_DATA:
             raise OSError(errno.EINVAL, f"{len(data)} bytes are too many for one call")
-        if self._attached:
-            self._fileno()
-            try:
-                return *self._call_libc(op, a, data), self._why() if why else ""
-            except OSError as error:
-                raise OSError(error.errno, _sentence(error.errno, self._why())) from None
-        channel = self._take_channel()
-        try:
-            result, out = _exchange(channel, op, self._name, a, 0, data)
-            why = why or result < 0
-            said = b""
-            if why:
-                said = _exchange(channel, wire.IOCTL, self._name, wire.MWHY, wire.MAX_DATA, b"")[1]
-                said = said.partition(b"\0")[0]
-        except BaseException:
-            channel.close()  # an answer may still come on it, which nobody waits for
-            raise
-        self._idle.append(channel)
-        if result < 0:
-            raise OSError(-result, _sentence(-result, said.decode()))
-        return result, out, said.decode()
-
-    def _call_libc(self, op: int, a: int, data: bytes) -> tuple[int, bytes]:
-        """As a C program makes it: in lock-step the library knows of every call, and its signals
-        wait until it is over."""
-        fd = self._file.fileno()
-        if op == wire.READ:
-            out = os.read(fd, a)
-            return len(out), out
-        if op == wire.WRITE:
-            return os.write(fd, data), b""
-        size = a >> 16 & 0x1FFF
-        out = fcntl.ioctl(fd, a, data.ljust(size, b"\0") if size else 0)
-        return 0, out if size and a & mcdef.MC_ARG_OUT else b""
-
-    def _fileno(self) -> int:
-        fd = self._file.fileno()
-        if fd < 0:
+        if self._file.fileno() < 0:
             raise OSError(errno.EBADF, _sentence(errno.EBADF, "the device is closed"))
-        return fd
-
-    def _why(self) -> str:
-        text = bytes(wire.MWHY_SIZE)
+        channel = None if self._attached else self._take_channel()
         try:
-            return fcntl.ioctl(self._fileno(), wire.MWHY, text).split(b"\0")[0].decode()
-        except OSError:
-            return ""
+            result, out = self._call(channel, op, a, data)
+            why = why or result < 0
+            said = self._call(channel, wire.IOCTL, wire.MWHY)[1] if why else b""
+        except BaseException:
+            if channel:
+                channel.close()  # an answer may still come on it, which nobody waits for
+            raise
+        if channel:
+            self._idle.append(channel)
+        known = said.partition(b"\0")[0].decode()
+        if result < 0:
+            raise OSError(-result, _sentence(-result, known))
+        return out, known
+
+    def _call(self, channel, op: int, a: int, data: bytes = b"") -> tuple[int, bytes]:
+        """Result and data. In lock-step as a C program makes it: the library knows of every call,
+        and its signals wait until it is over."""
+        if channel:
+            return _exchange(channel, op, self._name, a, wire.MAX_DATA, data)
+        fd, size = self._file.fileno(), a >> 16 & 0x1FFF
+        try:
+            if op == wire.READ:
+                return 0, os.read(fd, a)
+            if op == wire.WRITE:
+                return os.write(fd, data), b""
+            out = fcntl.ioctl(fd, a, data.ljust(size, b"\0") if size else 0)
+            return 0, out if size and a & mcdef.MC_ARG_OUT else b""
+        except OSError as error:
+            return -error.errno, b""
 
     def _take_channel(self) -> socket.socket:
         if self._owner != os.getpid():  # the parent's channels stay the parent's
@@ -324,7 +305,6 @@ class Device:
         try:
             return self._idle.pop()
         except IndexError:
-            self._fileno()
             try:
                 return connect(self._where)
             except OSError:

@@ -9,9 +9,9 @@ IN, OUT, GONE = select.EPOLLIN, select.EPOLLOUT, select.EPOLLHUP | select.EPOLLE
 
 
 class Connection:
-    """Knows bytes only; those who derive from it know requests. Then they have client_writes(),
-    whether it belongs to somebody who may move the machine, and serve(nested), which does one;
-    nested: another client's request waits meanwhile, and what would wait is asked again later."""
+    """Knows bytes only; those who derive from it know requests. Then they have serve(nested), which
+    does one; nested: another client's request waits meanwhile, and what would wait is asked again
+    later."""
 
     def __init__(self, sock, address, server):
         sock.setblocking(False)  # nobody who does not read his replies can hold us up

@@ -16,6 +16,7 @@ from mmcs.device.libraries import DEVICE, LIBRARY, preload_library
 from mmcs.device.link import Link
 from mmcs.device.server import Server
 from mmcs.device.sockets import check_folder, socket_path
+from mmcs.device.turns import Turns
 from mmcs.errors import InputError
 from mmcs.screen import clean
 
@@ -90,11 +91,8 @@ def run_program(command: list[str], sim=None, speed: float | None = None, name: 
 
 def serve_program(server: Server, command: list[str]) -> int:
     """As run_program(), beside a server of one's own."""
-    steps = server.lockstep
-    env = environment(server.path, lockstep=steps.on)
-    if not steps.on:
-        return _run(command, env, server.step)
-    return _run(command, env, server.step, steps.expect, lambda pid: pid in steps.pids())
+    turns = server.lockstep if server.lockstep.on else None
+    return _run(command, environment(server.path, lockstep=turns is not None), server.step, turns)
 
 
 def say(text: str) -> None:
@@ -162,8 +160,7 @@ def is_static(path: Path) -> bool:
 # --- running -----------------------------------------------------------------------------------
 
 
-def _run(command: list[str], env: dict[str, str], step, started=lambda pid: None,
-         goes_on=lambda pid: False) -> int:  # fmt: skip
+def _run(command: list[str], env: dict[str, str], step, turns: Turns | None = None) -> int:
     """Calls step() until the program ends. Signals to end are passed on: it shall clean up."""
     child: subprocess.Popen | None = None
     early: list[int] = []
@@ -181,10 +178,11 @@ def _run(command: list[str], env: dict[str, str], step, started=lambda pid: None
     before = {n: signal.signal(n, pass_on) for n in (*FORWARDED, *OF_THE_TERMINAL)}
     try:
         child = _start(command, env)
-        started(child.pid)
+        if turns:
+            turns.expect(child.pid)
         for number in early:
             pass_on(number, None)
-        while (status := child.poll()) is None or goes_on(child.pid):
+        while (status := child.poll()) is None or (turns and child.pid in turns.pids()):
             step()
     except BaseException:
         if child is not None:

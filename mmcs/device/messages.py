@@ -73,9 +73,6 @@ class Messenger(Connection):
             return False
         return len(self._data) >= LENGTH.size + length
 
-    def client_writes(self) -> bool:
-        return bool(self.client.writes)
-
     def serve(self, nested: bool) -> None:
         (length,) = LENGTH.unpack_from(self._data)
         try:

@@ -99,8 +99,7 @@ class Server:
         self._hang_up_ended()  # first: whoever closes and then asks has closed
         for connection in list(self.connections.values()):
             if connection.has_request() and not connection.busy:
-                if connection.client_writes():
-                    self.chunk = CHUNK_MIN_S
+                self.chunk = CHUNK_MIN_S
                 self._serve(connection)
                 self.signal()
                 self._listen(0)  # for the stop path

@@ -105,8 +105,9 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
 void lock_polls(void);
 /* A request without data, which does not wait. */
 int lock_tell(uint32_t op, uint64_t a, uint64_t b);
-/* The new thread's first act, with a number; of a program, 0. */
+/* The new thread's first act, with a number; of a program, 0. And its last. */
 void lock_begin_thread(unsigned number);
+void lock_end_thread(void);
 
 /* MWAIT. Elsewhere it is a request as any, which the server answers late. */
 int lock_sample(void *number);

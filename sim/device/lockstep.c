@@ -14,20 +14,18 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#define BIT(number) (UINT64_C(1) << ((number) - 1))
 /* Whoever waits for them gets these whenever they come: they are the user's, not the machine's. */
-static const int outside[] = {SIGINT, SIGQUIT, SIGTERM, SIGHUP, SIGTSTP};
+#define OUTSIDE (BIT(SIGINT) | BIT(SIGQUIT) | BIT(SIGTERM) | BIT(SIGHUP) | BIT(SIGTSTP))
 #define HIGH 100 /* descriptors that a program makes or closes by number are below, mostly */
-#define OUTSIDE (sizeof(outside) / sizeof(outside[0]))
 
 static int enabled;                       /* until the server is gone */
 static __thread int line = -1, wake = -1; /* a connection, and the eventfd of its answers */
 static __thread struct wire_page *page;
-static __thread pid_t line_pid;
 static int bell = -1; /* the eventfd of all requests */
 static uint64_t now_ns;
 static uint32_t now_sample;
 static unsigned long now_calls; /* wire_calls when now_ns was told */
-static pthread_key_t at_end;
 
 /* Where a name has two versions, the oldest is found first. */
 void lock_find(void **real, const char *name) {
@@ -38,7 +36,7 @@ void lock_find(void **real, const char *name) {
 }
 
 int lock_on(void) {
-  return enabled && line >= 0 && line_pid == wire_pid();
+  return enabled && line >= 0;
 }
 
 static void close_line(void) {
@@ -54,13 +52,15 @@ static int request(uint32_t op, uint64_t a, uint64_t b) {
   return syscall(SYS_write, bell, &one, sizeof(one)) < 0 ? -1 : 0;
 }
 
-/* Its result; -EINTR when a handler of `mask`, that of the program meanwhile, has run; -EIO when
- * the server is gone: then nothing here is in lock-step any more. */
+/* Its result; -EINTR when a handler of `mask`, that of a wait, has run: a wait can be cancelled,
+ * too. -EIO when the server is gone: then nothing here is in lock-step any more. */
 static int answer(const sigset_t *mask) {
   struct pollfd ends[] = {{wake, POLLIN, 0}, {line, POLLIN, 0}};
   uint64_t times;
   while (__atomic_load_n(&page->answered, __ATOMIC_ACQUIRE) != page->asked) {
-    if (REAL(ppoll)(ends, 2, NULL, mask) < 0 && errno == EINTR) return -EINTR;
+    const long n = mask != NULL ? REAL(ppoll)(ends, 2, NULL, mask)
+                                : syscall(SYS_ppoll, ends, 2, NULL, NULL, 0);
+    if (n < 0 && errno == EINTR) return -EINTR;
     if (!(ends[0].revents & POLLIN)) {
       enabled = 0;
       close_line();
@@ -122,18 +122,14 @@ static uint64_t pending(void) {
   return bits_of(&set);
 }
 
-/* Of these signals: will one that is let through be noticed? Not if its handler lets calls go on
- * that `restart`. */
+/* Whether a handler of one of these signals ends a call. Not if it lets calls go on that
+ * `restart`; and a process that a signal without a handler has stopped goes on in its call. */
 static int is_heard(uint64_t signals, int restart) {
   for (int n = 1; n <= 64; n++) {
     struct sigaction action;
-    if ((signals >> (n - 1) & 1) == 0 || sigaction(n, NULL, &action) != 0) continue;
-    if (action.sa_handler == SIG_IGN) continue;
-    if (action.sa_handler != SIG_DFL) {
-      if (!restart || !(action.sa_flags & SA_RESTART)) return 1;
-      continue;
-    }
-    if (n != SIGCHLD && n != SIGCONT && n != SIGURG && n != SIGWINCH) return 1;
+    if ((signals & BIT(n)) == 0 || sigaction(n, NULL, &action) != 0) continue;
+    if (action.sa_handler == SIG_IGN || action.sa_handler == SIG_DFL) continue;
+    if (!restart || !(action.sa_flags & SA_RESTART)) return 1;
   }
   return 0;
 }
@@ -142,27 +138,16 @@ static int is_heard(uint64_t signals, int restart) {
 static int takes_errors(uint64_t mask) {
   struct sigaction action = {.sa_handler = SIG_DFL};
   (void)sigaction(SIGUSR1, NULL, &action);
-  return mask >> (SIGUSR1 - 1) & 1 ||
-         (action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN);
-}
-
-/* Which of them has come from outside is not known: whether a handler of one ends the call. */
-static int outside_ends(const sigset_t *mask, int restart) {
-  uint64_t handled = 0;
-  for (unsigned n = 0; n < OUTSIDE; n++) {
-    struct sigaction action;
-    if (sigismember(mask, outside[n]) || sigaction(outside[n], NULL, &action) != 0) continue;
-    if (action.sa_handler != SIG_DFL) handled |= UINT64_C(1) << (outside[n] - 1);
-  }
-  return !restart || is_heard(handled, restart);
+  return mask & BIT(SIGUSR1) || (action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN);
 }
 
 /* All but what comes from outside and `mask` lets through. */
 static const sigset_t *only_outside(const sigset_t *mask) {
   static __thread sigset_t others;
+  uint64_t bits;
   sigfillset(&others);
-  for (unsigned n = 0; n < OUTSIDE; n++)
-    if (!sigismember(mask, outside[n])) sigdelset(&others, outside[n]);
+  bits = bits_of(&others) & (bits_of(mask) | ~OUTSIDE);
+  memcpy(&others, &bits, sizeof(bits));
   return &others;
 }
 
@@ -197,21 +182,19 @@ int lock_known(const char name[WIRE_NAME], uint32_t request, void *data, uint32_
     memcpy(data, k->data, k->length);
     return (int)k->length;
   }
-  k->request = request;
-  k->asked = asked;
-  k->length = 0;
-  memcpy(k->name, name, WIRE_NAME);
   return 0;
 }
 
 void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, uint32_t asked,
                 int length) {
   struct known *k = &known[request != 0];
-  if (!lock_on() || length <= 0 || (size_t)length > sizeof(k->data)) return;
-  if (k->request != request || k->asked != asked || memcmp(k->name, name, WIRE_NAME) != 0) return;
-  memcpy(k->data, data, (size_t)length);
-  k->others = wire_others;
+  if (!lock_on() || length < 0 || (size_t)length > sizeof(k->data)) return;
+  k->request = request;
+  k->asked = asked;
   k->length = (uint32_t)length;
+  k->others = wire_others;
+  memmove(k->name, name, WIRE_NAME);
+  memcpy(k->data, data, (size_t)length);
 }
 
 /* The last write(). With an answer: one like it may do without, and is carried out in front of what
@@ -303,7 +286,8 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
                 : wait_once(&head, files, &meanwhile, &heard);
     if (cause == CAUSE_WOKEN && what & WAIT_FILES && restart && pending() & ~head.mask)
       cause = CAUSE_SIGNAL;
-    heard = heard && cause >= 0 && outside_ends(&meanwhile, restart);
+    /* which one has come from outside is not known */
+    heard = heard && cause >= 0 && (!restart || is_heard(OUTSIDE & ~head.mask, restart));
     if (heard) cause = CAUSE_SIGNAL;
     if (cause == timed && head.until < until && now_ns >= head.until) { /* a timer's */
       if (!(what & (WAIT_FILES | WAIT_CHILD | WAIT_KEY))) continue;
@@ -358,20 +342,17 @@ void lock_begin_thread(unsigned number) {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   line = wire_connect(1);
-  line_pid = wire_pid();
   if (line < 0 || wire_ask(line, WIRE_LINE, NULL, number, (uint64_t)pthread_self(), NULL, 0) < 0 ||
       take_page() < 0 || answer(NULL) < 0) {
     enabled = 0;
   } else {
     learn();
-    (void)pthread_setspecific(at_end, &line);
   }
   pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* Whoever joins this thread may go on: the server sees the line's end. */
-static void end_thread(void *unused) {
-  (void)unused;
+void lock_end_thread(void) {
   if (!lock_on()) return;
   lock_write_first();
   (void)request(WIRE_LINE, 0, 0);
@@ -389,7 +370,6 @@ static void child_of_fork(void) {
 __attribute__((constructor(102))) static void attach(void) {
   if (getenv("MMCS_LOCKSTEP") == NULL) return;
   enabled = 1;
-  (void)pthread_key_create(&at_end, end_thread);
   (void)pthread_atfork(NULL, NULL, child_of_fork);
   lock_begin_thread(0);
   lock_take_pipes();

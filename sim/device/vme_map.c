@@ -144,24 +144,19 @@ static void on_fault(int number, siginfo_t *info, void *context) {
     pass_on(number, info, context);
     return;
   }
-  step.window = w;
   step.at = at;
   step.pc = (uintptr_t)uc->uc_mcontext.gregs[REG_RIP];
   step.width = operand_width((const uint8_t *)step.pc, &pure_store);
   step.writes = (uc->uc_mcontext.gregs[REG_ERR] & FAULT_WRITE) != 0;
-  if (step.writes && !w->writable) {
-    step.window = NULL;
-    refuse(WIRE_BUS_TIMEOUT, info, context);
-    return;
-  }
   (void)page_protect(w, at, PROT_READ | PROT_WRITE);
-  bus = step.writes && pure_store ? WIRE_BUS_OK : transfer(w, at, step.width, 0);
+  bus = step.writes && !w->writable ? WIRE_BUS_TIMEOUT : WIRE_BUS_OK;
+  if (bus == WIRE_BUS_OK && !(step.writes && pure_store)) bus = transfer(w, at, step.width, 0);
   if (bus != WIRE_BUS_OK) {
     (void)page_protect(w, at, PROT_NONE);
-    step.window = NULL;
     refuse(bus, info, context);
     return;
   }
+  step.window = w;
   /* no other signal between fault and step: its handler might use the window too */
   step.mask = uc->uc_sigmask;
   sigfillset(&uc->uc_sigmask);

@@ -35,16 +35,19 @@ static ino_t inode_of(int fd) {
  * another one, and answers never get mixed up. */
 static __thread struct channel {
   int fd;
-  pid_t pid;
   ino_t inode; /* the program may have closed every descriptor it could count to */
 } channel = {.fd = -1};
-static pthread_key_t at_thread_end;
-static pthread_once_t once = PTHREAD_ONCE_INIT;
+static pthread_key_t at_thread_end; /* of one that has connected */
+
+static void close_channel(void) {
+  if (channel.fd >= 0 && inode_of(channel.fd) == channel.inode) close_directly(channel.fd);
+  channel.fd = -1;
+}
 
 static void end_thread(void *unused) {
   (void)unused;
-  if (channel.fd >= 0 && inode_of(channel.fd) == channel.inode) close_directly(channel.fd);
-  channel.fd = -1;
+  lock_end_thread();
+  close_channel();
 }
 
 static pid_t own_pid; /* getpid() without a call of the kernel */
@@ -52,7 +55,7 @@ static pid_t own_pid; /* getpid() without a call of the kernel */
 /* The channel that a child of fork has is its parent's. */
 static void note_pid(void) {
   own_pid = getpid();
-  end_thread(NULL);
+  close_channel();
 }
 
 __attribute__((constructor(101))) static void keep_path(void) {
@@ -60,6 +63,7 @@ __attribute__((constructor(101))) static void keep_path(void) {
   size_t length = path != NULL ? strlen(path) : sizeof(server_path);
   if (length < sizeof(server_path)) memcpy(server_path, path, length + 1);
   note_pid();
+  (void)pthread_key_create(&at_thread_end, end_thread);
   (void)pthread_atfork(NULL, NULL, note_pid); /* before all that ask for it in the child */
 }
 
@@ -120,6 +124,7 @@ int wire_connect(int cloexec) {
   if (!server_path[0]) return -ENXIO;
   fd = socket(AF_UNIX, SOCK_SEQPACKET | (cloexec ? SOCK_CLOEXEC : 0), 0);
   if (fd < 0) return -errno;
+  (void)pthread_setspecific(at_thread_end, &channel);
   (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &late, sizeof(late));
   /* autobind: the kernel picks a free abstract address */
   if (bind(fd, (struct sockaddr *)&address, sizeof(address.sun_family)) == 0) {
@@ -192,23 +197,9 @@ static struct channel take_channel(void) {
   const struct channel had = channel, none = {.fd = -1};
   int fd;
   channel = none;
-  if (had.fd >= 0 && had.pid == wire_pid() && inode_of(had.fd) == had.inode) return had;
+  if (had.fd >= 0 && inode_of(had.fd) == had.inode) return had;
   fd = wire_connect(1);
-  return (struct channel){fd, wire_pid(), inode_of(fd)};
-}
-
-static void make_key(void) {
-  (void)pthread_key_create(&at_thread_end, end_thread);
-}
-
-static void put_channel(struct channel c) {
-  if (channel.fd >= 0) { /* a handler has left its own */
-    close_directly(c.fd);
-    return;
-  }
-  channel = c;
-  (void)pthread_once(&once, make_key);
-  (void)pthread_setspecific(at_thread_end, &channel);
+  return (struct channel){fd, inode_of(fd)};
 }
 
 /* Setpoints alone, or nothing. */
@@ -231,10 +222,10 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
   c = take_channel();
   if (c.fd >= 0) {
     result = exchange(c.fd, op, name, a, b, data, length, out, out_length, &before);
-    if (result == LOST || result == -EINTR) {
+    if (result == LOST || result == -EINTR || channel.fd >= 0) { /* a handler has left its own */
       close_directly(c.fd);
     } else {
-      put_channel(c);
+      channel = c;
     }
   }
   lock_after_call();
