@@ -42,10 +42,6 @@ class Program(Connection):
     def has_request(self) -> bool:
         return bool(self._request) and not self.ended
 
-    def client_writes(self) -> bool:
-        file = self._files.get(wire.REQUEST.unpack_from(self._request)[2].rstrip(b"\0"))
-        return file is None or file.client.writes
-
     def serve(self, nested: bool) -> None:
         _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self._request)
         if op == wire.IOCTL:
@@ -144,7 +140,7 @@ class Program(Connection):
             return -wire.EIO, b""
         file.pids.add(pid)
         if op == wire.HOLD:
-            return int(file.client.driver < 0), b""
+            return (1 + file.client.writes if file.client.driver < 0 else 0), b""
         before = self.machine.sim.tap_head()[1]
         result, out = self._of_file(file.client, op, a, b, payload, pid)
         if result < 0:

@@ -448,6 +448,11 @@ def test_a_handler_waits_while_its_program_waits(tmp_path):
     assert {output_in_lockstep(tmp_path, *program)[:2] for _ in range(3)} == {("5 0\n10 0\n", 0)}
 
 
+def test_a_cancelled_thread_has_its_mutex(tmp_path):
+    program = compile_program(PROGRAMS / "cancels.c")
+    assert output_in_lockstep(tmp_path, program)[:2] == ("1 1\n1 1\n", 0)
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
 @pytest.mark.parametrize("what", ["crossed", "python", "stops", "main has ended"])
 def test_every_program_can_be_ended(what, number, tmp_path):

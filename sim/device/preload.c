@@ -41,24 +41,25 @@ static const char *header_or(const char *path) {
   return header;
 }
 
+/* The argument behind `last`, which not every call has: where it has none, nobody looks at it. */
+#define ARGUMENT(type, last)      \
+  ({                              \
+    va_list list_;                \
+    type found_;                  \
+    va_start(list_, last);        \
+    found_ = va_arg(list_, type); \
+    va_end(list_);                \
+    found_;                       \
+  })
+
 /* --- open ------------------------------------------------------------------------------ */
 
 int openat(int folder, const char *path, int flags, ...) {
-  va_list list;
-  mode_t mode;
-  va_start(list, flags);
-  mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;
-  va_end(list);
   if (device_is_path(path)) return device_fail(wire_open(path, flags));
-  return REAL(openat)(folder, header_or(path), flags, mode);
+  return REAL(openat)(folder, header_or(path), flags, ARGUMENT(mode_t, flags));
 }
 int open(const char *path, int flags, ...) {
-  va_list list;
-  mode_t mode;
-  va_start(list, flags);
-  mode = (flags & (O_CREAT | __O_TMPFILE)) ? va_arg(list, mode_t) : 0;
-  va_end(list);
-  return openat(AT_FDCWD, path, flags, mode);
+  return openat(AT_FDCWD, path, flags, ARGUMENT(mode_t, flags));
 }
 SAME(openat64, openat);
 SAME(open64, open);
@@ -140,12 +141,8 @@ static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argu
 }
 
 int ioctl(int fd, unsigned long request, ...) {
+  void *argument = ARGUMENT(void *, request);
   char name[WIRE_NAME];
-  va_list list;
-  void *argument;
-  va_start(list, request);
-  argument = va_arg(list, void *);
-  va_end(list);
   if (!wire_is_file(fd, name)) return (int)syscall(SYS_ioctl, fd, request, argument);
   /* a request held in an int arrives sign-extended: its low 32 bits are the number */
   return device_fail(device_ioctl(name, (uint32_t)request, argument));
@@ -157,6 +154,16 @@ int close(int fd) {
   lock_forget_file(fd);
   return (int)syscall(SYS_close, fd);
 }
+int dup3(int fd, int to, int flags) {
+  int result;
+  lock_write_first();
+  result = REAL(dup3)(fd, to, flags);
+  if (result >= 0) lock_forget_file(to);
+  return result;
+}
+int dup2(int fd, int to) {
+  return fd == to ? REAL(dup2)(fd, to) : dup3(fd, to, 0);
+}
 
 void _exit(int status) {
   lock_write_first();
@@ -166,9 +173,9 @@ void _exit(int status) {
 
 /* --- fork and exec: who holds the file, for SIGUSR1. close() is the kernel's business. --- */
 
-/* 1: it is /dev/vme16. */
+/* 1: it is /dev/vme16; 2: and open for writing. */
 static int hold_file(const char name[WIRE_NAME]) {
-  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL) == 1;
+  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
 }
 
 /* This process holds what it has inherited, by fork or across exec. */
@@ -191,11 +198,14 @@ __attribute__((constructor)) static void start(void) {
 /* --- mmap of /dev/vme16 ---------------------------------------------------------------- */
 
 void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offset) {
+  const int shared_writes = prot & PROT_WRITE && flags & MAP_SHARED;
   char name[WIRE_NAME];
+  int held;
   if (fd < 0 || (flags & MAP_ANONYMOUS) || !wire_is_file(fd, name))
     return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
-  if (hold_file(name)) return vme_map(address, length, prot, fd, offset, name);
-  errno = ENODEV;
+  held = hold_file(name);
+  if (held > shared_writes) return vme_map(address, length, prot, fd, offset, name);
+  errno = held == 1 ? EACCES : ENODEV;
   return MAP_FAILED;
 }
 

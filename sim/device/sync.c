@@ -30,10 +30,13 @@ static int sleep_with(const void *key, uint64_t until, unsigned how) {
   return cause;
 }
 
-/* 0, or ETIMEDOUT. Signals are handled; who waits goes on waiting. */
+/* 0, or ETIMEDOUT. Signals are handled; who waits goes on waiting, also when it is cancelled. */
 static int wait_for(const void *key, uint64_t until) {
+  int state;
   if (lock_now() >= until) return ETIMEDOUT;
+  (void)pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &state);
   (void)sleep_with(key, until, 0);
+  (void)pthread_setcancelstate(state, NULL);
   return 0;
 }
 
@@ -82,28 +85,21 @@ int pthread_join(pthread_t thread, void **result) {
 
 /* --- mutexes, read-write locks, semaphores --------------------------------------------- */
 
-/* `attempt` until it is not busy; r is its last result. */
-#define UNTIL_FREE(attempt, busy, key, until) \
-  ({                                          \
-    int r_ = (attempt);                       \
-    while (r_ == (busy)) {                    \
-      r_ = wait_for((key), (until));          \
-      if (r_ != 0) break;                     \
-      r_ = (attempt);                         \
-    }                                         \
-    r_;                                       \
-  })
-
 /* Without an end, until a time of a clock, and of the real-time clock. EDEADLK: `has`, the thread
  * itself has it, and the C library would know. */
 #define LOCK(of, kind, has)                                                               \
+  static int of##_##kind##until(of##_t *l, uint64_t until) {                              \
+    int result;                                                                           \
+    do result = of##_try##kind##lock(l);                                                  \
+    while (result == EBUSY && (result = wait_for(l, until)) == 0);                        \
+    return result;                                                                        \
+  }                                                                                       \
   CALL(int, of##_##kind##lock, (of##_t * l), (l)) {                                       \
-    if (has) return EDEADLK;                                                              \
-    return UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, WIRE_NEVER);                     \
+    return (has) ? EDEADLK : of##_##kind##until(l, WIRE_NEVER);                           \
   }                                                                                       \
   CALL(int, of##_clock##kind##lock, (of##_t * l, clockid_t c, const struct timespec *at), \
        (l, c, at)) {                                                                      \
-    return UNTIL_FREE(of##_try##kind##lock(l), EBUSY, l, lock_until(c, at));              \
+    return of##_##kind##until(l, lock_until(c, at));                                      \
   }                                                                                       \
   int of##_timed##kind##lock(of##_t *l, const struct timespec *at) {                      \
     return of##_clock##kind##lock(l, CLOCK_REALTIME, at);                                 \
@@ -169,13 +165,19 @@ CALL(int, pthread_cond_broadcast, (pthread_cond_t * c), (c)) {
   return 0;
 }
 
+static void lock_again(void *m) {
+  (void)pthread_mutex_lock(m);
+}
+
+/* A thread that is cancelled meanwhile has its mutex again before its own handlers run. */
 static int await_condition(pthread_cond_t *c, pthread_mutex_t *m, uint64_t until) {
   int late, result = pthread_mutex_unlock(m);
   if (result != 0) return result;
-  (void)wait_for(c, until);
+  pthread_cleanup_push(lock_again, m);
+  if (lock_now() < until) (void)sleep_with(c, until, 0);
   late = lock_now() >= until;
-  result = pthread_mutex_lock(m);
-  return result != 0 ? result : late ? ETIMEDOUT : 0;
+  pthread_cleanup_pop(1);
+  return late ? ETIMEDOUT : 0;
 }
 int pthread_cond_wait(pthread_cond_t *c, pthread_mutex_t *m) {
   return lock_on() ? await_condition(c, m, WIRE_NEVER) : REAL(pthread_cond_wait)(c, m);

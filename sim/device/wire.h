@@ -32,7 +32,8 @@ enum wire_op {
   WIRE_WRITE = 4, /* data = bytes */
   WIRE_LOAD = 5,  /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
   WIRE_STORE = 6, /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec); result 1: /dev/vme16 */
+  WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec); result 1:
+                     /dev/vme16, 2: open for writing */
   /* Lock-step only. Every thread has a connection more, its line, which carries the first of these
    * and shows that the other end is gone. Back come a file, its struct wire_page, for what it
    * asks from then on, an eventfd that tells of answers, and one that tells of requests. */

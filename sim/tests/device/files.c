@@ -154,6 +154,10 @@ static void window(void) {
   EXPECT(reg != MAP_FAILED && close(fd) == 0 && close(first) == 0);
   EXPECT((reg[0x409] & 0x1F) == 0x18);
   EXPECT(munmap((void *)(uintptr_t)reg, 4096) == 0);
+  fd = open("/dev/vme16", O_RDONLY);
+  EXPECT(mmap(NULL, 4096, PROT_WRITE, MAP_SHARED, fd, 0x6000) == MAP_FAILED && errno == EACCES);
+  reg = mmap(NULL, 4096, PROT_READ, MAP_SHARED, fd, 0x6000);
+  EXPECT(reg != MAP_FAILED && munmap((void *)(uintptr_t)reg, 4096) == 0 && close(fd) == 0);
   fd = open("/dev/vme16", O_RDWR);
   EXPECT(fd <= first && close(fd) == 0); /* nothing is left open */
 }

@@ -265,11 +265,12 @@ static void timers(void) {
   struct itimerspec often = {{0, 1000000}, {0, 3000000}};
   struct itimerval left;
   timer_t id;
-  int fd = timerfd_create(CLOCK_MONOTONIC, 0);
+  int fd = timerfd_create(CLOCK_MONOTONIC, 0), other = timerfd_create(CLOCK_MONOTONIC, 0);
   FILE *file;
   timer_create(CLOCK_MONOTONIC, NULL, &id);
   timer_settime(id, 0, &often, NULL);
   timerfd_settime(fd, 0, &often, NULL);
+  timerfd_settime(other, 0, &often, NULL);
   ualarm(3000, 0);
   usleep(1000);
   TIMED((getitimer(ITIMER_REAL, &left), left.it_value.tv_usec));
@@ -279,9 +280,11 @@ static void timers(void) {
   ualarm(0, 0);
   close(fd);
   file = tmpfile();
+  dup2(fd, other); /* closes it, too */
   usleep(5000);
   TIMED(fileno(file) == fd ? lseek(fd, 0, SEEK_END) : -1);
   fclose(file);
+  close(other);
 }
 
 /* Loops that wait for no time; signals to a thread, and to a group. */
