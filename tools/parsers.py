@@ -107,13 +107,11 @@ class _Served:
         text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
         setup = load(_written(folder / f"{name}.toml", text))
         self.server = Server(machine(setup), folder / name / "mc0.sock", None)
-        self._numbers = 0
 
     def connect(self, kind):
         mine, theirs = socket.socketpair()
         mine.close()  # what is sent there is lost
-        self._numbers += 1
-        return kind(theirs, b"\0damaged%d" % self._numbers, self.server)
+        return kind(theirs, self.server)
 
     def feed(self, connection, *packets: bytes) -> None:
         connection._send, connection.flush = lambda packet: None, lambda: None
@@ -135,23 +133,22 @@ def _wire(folder: Path) -> Parser:
 
     served: list[_Served] = []
 
-    def request(op, name, a, b, data=b""):
-        return wire.REQUEST.pack(wire.MAGIC, op, name, a, b, len(data), 1) + data
+    def request(op, a, data=b""):
+        return wire.REQUEST.pack(wire.MAGIC, op, 1, a, 0, len(data), 1) + data
 
     def take(data: bytes) -> None:
         if not served:
             served.append(_Served(folder, "wire"))
             file = served[0].connect(Program)  # stays open, in whatever state inputs leave it
-            served[0].feed(file, request(wire.OPEN, b"", 2, 1, b"/dev/mc0"))
-            served[0].server.files[b"file"] = file
+            served[0].feed(file, request(wire.OPEN, 2, b"/dev/mc0"))
         channel = served[0].connect(Program)
         served[0].feed(channel, *(b"MMC1" + rest
                                   for rest in data.split(b"MMC1")[1:]))  # fmt: skip
         served[0].end(channel)
 
-    good = request(wire.READ, b"file", 56, 0) + request(wire.WRITE, b"file", 0, 0, bytes(4))
-    good += request(wire.IOCTL, b"file", mcdef.MSETINTERVAL, 0, struct.pack("<I", 1000))
-    good += request(wire.IOCTL, b"file", mcdef.MLEASE, 0, bytes([1, 0, 0, 0]))
+    good = request(wire.READ, 56) + request(wire.WRITE, 0, bytes(4))
+    good += request(wire.IOCTL, mcdef.MSETINTERVAL, struct.pack("<I", 1000))
+    good += request(wire.IOCTL, mcdef.MLEASE, bytes([1, 0, 0, 0]))
     return Parser("wire", good, take, ())
 
 

@@ -90,10 +90,9 @@ class Device:
             ctypes.CDLL(None).signal(signal.SIGUSR1, ctypes.c_void_p(1))  # SIG_IGN, in any thread
         self._file = connect(self._where)
         try:
-            self._name = self._file.getsockname().strip(b"\0")
-            inode = os.fstat(self._file.fileno()).st_ino
+            self._inode = os.fstat(self._file.fileno()).st_ino
             asked = _checked("flags", flags) & 0xFFFFFFFF
-            result, _ = _exchange(self._file, wire.OPEN, b"", asked, inode, os.fsencode(path))
+            result, _ = _exchange(self._file, wire.OPEN, self._inode, asked, os.fsencode(path))
             if result < 0:
                 raise OSError(-result, _sentence(-result, reasons.OF_OPEN.get(-result, "")), path)
         except BaseException:
@@ -287,7 +286,7 @@ class Device:
         """Result and data. In lock-step as a C program makes it: the library knows of every call,
         and its signals wait until it is over."""
         if channel:
-            return _exchange(channel, op, self._name, a, wire.MAX_DATA, data)
+            return _exchange(channel, op, self._inode, a, data)
         fd, size = self._file.fileno(), a >> 16 & 0x1FFF
         try:
             if op == wire.READ:
@@ -345,11 +344,11 @@ def _axis(axis: object) -> int:
     return _checked("axis", axis, 0, 255)
 
 
-def _exchange(sock, op: int, name: bytes, a: int, b: int, data: bytes) -> tuple[int, bytes]:
+def _exchange(sock, op: int, inode: int, a: int, data: bytes) -> tuple[int, bytes]:
     """A request and its reply: a result and data."""
-    packet = wire.REQUEST.pack(wire.MAGIC, op, name, a, b, len(data), os.getpid()) + data
+    head = wire.MAGIC, op, inode, a, wire.MAX_DATA, len(data), os.getpid()
     try:
-        sock.sendall(packet)
+        sock.sendall(wire.REQUEST.pack(*head) + data)
         packet = sock.recv(wire.REPLY.size + wire.MAX_DATA)
         return wire.REPLY.unpack_from(packet)[0], packet[wire.REPLY.size :]
     except (OSError, struct.error):

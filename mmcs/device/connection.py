@@ -13,7 +13,7 @@ class Connection:
     does one; nested: another client's request waits meanwhile, and what would wait is asked again
     later."""
 
-    def __init__(self, sock, address, server):
+    def __init__(self, sock, server):
         sock.setblocking(False)  # nobody who does not read his replies can hold us up
         self.sock, self.server, self.machine = sock, server, server.machine
         self.ended = False  # nothing more will come

@@ -27,8 +27,8 @@ WAITING = ("close", "snapshot", "rewind", "advance", "ring", "drop", "lease", "s
 class Messenger(Connection):
     """A client of the messages."""
 
-    def __init__(self, sock, address, server):
-        super().__init__(sock, address, server)
+    def __init__(self, sock, server):
+        super().__init__(sock, server)
         self._data, self._out = bytearray(), bytearray()
         self.client = self.machine.enter("message", peer(sock)[0])
         hello = self.machine.request(self.client, {"op": "hello"})

@@ -20,13 +20,12 @@ PAUSED_S = 1.0  # that a request waits for the end of a pause, and it is said
 class Program(Connection):
     """A file, which is an open device, or a channel, which carries the calls of a thread."""
 
-    def __init__(self, sock, address, server):
-        super().__init__(sock, address, server)
+    def __init__(self, sock, server):
+        super().__init__(sock, server)
         self._request = b""  # the packet that is to be served
-        self._name = bytes(address).strip(b"\0") if address else b""
-        self._files: dict[bytes, Program] = server.files
+        self._files: dict[int, Program] = server.files
         self.client = None  # of a file: its mmcs_client
-        self._link = ""  # its other end, as /proc shows it
+        self._inode = 0  # of its other end
         self.pids: set[int] = set()  # processes that had the file open when they said so last
         self._said = ""  # by the driver, when the last call on this channel failed
         self._paused_at: float | None = None  # the clock on the wall when its request met a pause
@@ -43,7 +42,7 @@ class Program(Connection):
         return bool(self._request) and not self.ended
 
     def serve(self, nested: bool) -> None:
-        _, op, name, a, b, length, pid = wire.REQUEST.unpack_from(self._request)
+        _, op, inode, a, b, length, pid = wire.REQUEST.unpack_from(self._request)
         if op == wire.IOCTL:
             a &= 0xFFFFFFFF  # held in an int, a request arrives sign-extended
         waits = op == wire.IOCTL and a in self.machine.waits
@@ -64,7 +63,7 @@ class Program(Connection):
             self.server.watch(self)
             return
         self.busy = True
-        result, out = self._call(op, name.rstrip(b"\0"), a, b, request[wire.REQUEST.size :], pid)
+        result, out = self._call(op, inode, a, b, request[wire.REQUEST.size :], pid)
         self.busy = False
         self.server.signal()  # its own is there before the call returns
         self.reply(result, out)
@@ -103,7 +102,7 @@ class Program(Connection):
 
     def leave(self) -> None:
         if self.client is not None:
-            del self._files[self._name]
+            del self._files[self._inode]
             self._turns.closes(self.client)
             self.machine.leave(self.client)
 
@@ -112,7 +111,7 @@ class Program(Connection):
         kernel knows what dup2, exec and close have left of their descriptors."""
         told = []
         for pid in list(self.pids):
-            if self._link not in wire.links(pid):
+            if f"socket:[{self._inode}]" not in wire.links(pid):
                 self.pids.discard(pid)
             else:
                 with contextlib.suppress(ProcessLookupError):
@@ -122,19 +121,19 @@ class Program(Connection):
 
     # --- calls ---
 
-    def _call(self, op: int, name: bytes, a: int, b: int, payload: bytes, pid: int):
+    def _call(self, op: int, inode: int, a: int, b: int, payload: bytes, pid: int):
         why = op == wire.IOCTL and a == wire.MWHY
         if not why:
             self._said = ""
         if not wire.well_formed(op, a, b, len(payload)):
             return -wire.EINVAL, b""
         if op == wire.OPEN:
-            return self._open(payload, a, b, pid), b""
+            return self._open(payload, a, inode, pid), b""
         if why:
             room = min(b or wire.MWHY_SIZE, MOST_SAID)
             said = (self._said or self.machine.knows()).encode()
             return 0, said[: room - 1].ljust(room, b"\0")
-        file = self._files.get(name)
+        file = self._files.get(inode)
         if file is None:
             self._said = "the simulator that had this file open is gone"
             return -wire.EIO, b""
@@ -178,16 +177,15 @@ class Program(Connection):
         return self._turns.write(pid, client, payload, len(payload)), b""
 
     def _open(self, device: bytes, flags: int, inode: int, pid: int) -> int:
-        if self.client is not None or not self._name or self._name in self._files:
-            return -wire.EINVAL  # a file is opened once, and has a name of its own
+        if self.client is not None or not inode or inode in self._files:
+            return -wire.EINVAL  # a file is opened once, and has an inode of its own
         machine = self.machine
         client = machine.enter("device", pid, wire.command(pid))
         result = machine.open(client, device, flags & 0x7FFFFFFF)
         if result < 0:
             machine.leave(client)
             return result
-        self.client = client
-        self._link = f"socket:[{inode}]"
+        self.client, self._inode = client, inode
         self.pids.add(pid)
-        self._files[self._name] = self
+        self._files[inode] = self
         return 0

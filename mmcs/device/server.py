@@ -52,7 +52,7 @@ class Server:
         self._hz = sim.build()["clk_hz"]
         self.machine.now.speed = speed or 0
         self.chunk = CHUNK_MIN_S
-        self.files: dict[bytes, Program] = {}
+        self.files: dict[int, Program] = {}
         self.connections: dict[int, Connection] = {}
         self.stopping = False
         self.advances: tuple[Messenger, object] | None = None  # who lets time pass, and its id
@@ -257,7 +257,7 @@ class Server:
 
     def _accept(self, door, kind) -> bool:
         try:
-            sock, address = door.accept()
+            sock, _ = door.accept()
         except OSError:
             return False
         stops = [c for c in self.connections.values() if isinstance(c, Stop)]
@@ -269,7 +269,7 @@ class Server:
             stops[0].receive()
             self._hang_up(stops[0])
         # what it asks is heard together with the ends that came before it
-        self.connections[sock.fileno()] = kind(sock, address, self)
+        self.connections[sock.fileno()] = kind(sock, self)
         return True
 
     def becomes_line(self, connection: Connection, request: bytes) -> None:

@@ -109,7 +109,6 @@ def connect(path: Path, timeout: float | None = None) -> socket.socket:
     """A connection to a server of our own; OSError with a sentence otherwise."""
     sock = socket.socket(socket.AF_UNIX, _kind(path))
     try:
-        sock.bind("")  # the kernel gives it a name of its own, which names the file later
         sock.settimeout(timeout)
         sock.connect(str(path))
     except OSError:

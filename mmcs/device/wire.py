@@ -33,7 +33,7 @@ STATUS = _layout("mmcs_status")
 PAGE_SIZE = _declared.sizeof("struct wire_page")
 OPEN, IOCTL, READ, WRITE, LOAD, STORE, HOLD, LINE, *_ = _numbers("wire_op")
 BUS_OK, BUS_TIMEOUT, BUS_ERROR = _numbers("wire_bus")
-_, MAX_DATA, MAGIC = _numbers("wire_number")
+MAX_DATA, MAGIC = _numbers("wire_number")
 MAX_PATH = 256
 
 EIO, ENXIO, EBADF, EBUSY, EINVAL, ENOTTY = 5, 6, 9, 16, 22, 25
@@ -78,7 +78,7 @@ def well_formed(op: int, a: int, b: int, size: int) -> bool:
     if op == IOCTL:
         return size in (0, a >> 16 & 0x1FFF)
     if op == OPEN:
-        return 0 < size <= MAX_PATH and b > 0
+        return 0 < size <= MAX_PATH
     return op == WRITE or (op in (READ, HOLD) and size == 0)
 
 

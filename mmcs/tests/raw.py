@@ -59,19 +59,18 @@ class Raw:
     def __init__(self, bench, flags=os.O_RDWR, device=b"/dev/mc0"):
         self.bench = bench
         self.file, self.channel = self._connect(), self._connect()
-        self.name = self.file.getsockname().strip(b"\0")
-        self._send(self.file, OPEN, b"", flags, os.fstat(self.file.fileno()).st_ino, device)
+        self.inode = os.fstat(self.file.fileno()).st_ino
+        self._send(self.file, OPEN, self.inode, flags, 0, device)
         assert self._answer(self.file) == (0, b"")
 
     def _connect(self):
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        sock.bind("")
         sock.connect(str(self.bench.server.path))
         sock.setblocking(False)
         return sock
 
-    def _send(self, sock, op, name, a, b, data):
-        data = REQUEST.pack(MAGIC, op, name, a, b, len(data), os.getpid()) + data
+    def _send(self, sock, op, inode, a, b, data):
+        data = REQUEST.pack(MAGIC, op, inode, a, b, len(data), os.getpid()) + data
         while True:
             try:
                 return sock.send(data)
@@ -86,14 +85,14 @@ class Raw:
                 return REPLY.unpack_from(data)[0], data[REPLY.size :]
 
     def call(self, op, a=0, data=b"", b=0):
-        self._send(self.channel, op, self.name, a, b, data)
+        self._send(self.channel, op, self.inode, a, b, data)
         return self._answer(self.channel)
 
     def flood(self):
         """As much as the socket takes of reads, writes and parameters; answers are thrown away."""
-        states = REQUEST.pack(MAGIC, READ, self.name, 56, 0, 0, os.getpid())
-        some = REQUEST.pack(MAGIC, WRITE, self.name, 0, 0, 8, os.getpid()) + bytes(8)
-        asked = REQUEST.pack(MAGIC, IOCTL, self.name, mcdef.MGETINTERVAL, 0, 0, os.getpid())
+        states = REQUEST.pack(MAGIC, READ, self.inode, 56, 0, 0, os.getpid())
+        some = REQUEST.pack(MAGIC, WRITE, self.inode, 0, 0, 8, os.getpid()) + bytes(8)
+        asked = REQUEST.pack(MAGIC, IOCTL, self.inode, mcdef.MGETINTERVAL, 0, 0, os.getpid())
         with contextlib.suppress(BlockingIOError):
             while True:
                 for packet in (states, some, asked):

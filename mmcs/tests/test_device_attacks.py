@@ -45,7 +45,7 @@ def test_no_request_is_too_odd(attacked, op):
     ]  # fmt: skip
     for size in (0, 1, 3, 4, 5, 8, 300, 65536):
         for target, a, b in targets:
-            for file in (b"", b"other", target.name):
+            for file in (0, 1, target.inode):
                 program._send(program.channel, op, file, a, b, b"\x7f" * size)
                 program._answer(program.channel)  # there is one, whatever it is
 
@@ -63,19 +63,13 @@ def attacked(tmp_path_factory):
     signal.signal(signal.SIGUSR1, before)
 
 
-def test_a_file_is_opened_once_and_has_a_name(bench):
+def test_a_file_is_opened_once_and_has_an_inode(bench):
     program = Raw(bench)
-    inode = os.fstat(program.file.fileno()).st_ino
-    program._send(program.channel, wire.OPEN, b"", 2, inode, b"/dev/mc0")
-    assert program._answer(program.channel)[0] == 0  # the channel is a file now
-    nameless = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    nameless.connect(str(bench.server.path))
-    nameless.setblocking(False)
-    program._send(nameless, wire.OPEN, b"", 2, inode, b"/dev/mc0")
-    assert program._answer(nameless)[0] == -22
-    nameless.close()
+    for inode, answer in ((0, -22), (program.inode, -22), (1, 0)):
+        program._send(program.channel, wire.OPEN, inode, 2, 0, b"/dev/mc0")
+        assert program._answer(program.channel)[0] == answer
     twice = program._connect()
-    message = wire.REQUEST.pack(wire.MAGIC, wire.OPEN, b"", 2, inode, 8, os.getpid()) + b"/dev/mc0"
+    message = wire.REQUEST.pack(wire.MAGIC, wire.OPEN, 3, 2, 0, 8, os.getpid()) + b"/dev/mc0"
     twice.sendall(message)
     twice.sendall(message)
     assert program._answer(twice)[0] == 0
@@ -155,8 +149,8 @@ def test_an_end_comes_through_a_request_that_waits(bench, why):
 
 def test_others_are_served_while_one_enables(bench):
     program, other = Raw(bench), Raw(bench)
-    program._send(program.channel, wire.IOCTL, program.name, mcdef.MENABLE, 0, b"")
-    other._send(other.channel, wire.READ, other.name, 56, 0, b"")
+    program._send(program.channel, wire.IOCTL, program.inode, mcdef.MENABLE, 0, b"")
+    other._send(other.channel, wire.READ, other.inode, 56, 0, b"")
     answered = []
     genuine = bench.server._look
 
@@ -212,7 +206,7 @@ def test_an_error_of_the_server_ends_one_connection(bench, monkeypatch, of, wait
     fault = lambda *_: 1 // 0  # noqa: E731
     if of == "program":
         monkeypatch.setattr(bench.server.machine, "ioctl", fault)
-        program._send(program.channel, wire.IOCTL, program.name, mcdef.MSTATUS, 0, b"")
+        program._send(program.channel, wire.IOCTL, program.inode, mcdef.MSTATUS, 0, b"")
     elif of == "message":
         monkeypatch.setattr("mmcs.device.messages.Messenger.do_hello", fault)
         client.post({"op": "hello"})

@@ -82,7 +82,7 @@ def test_enable_in_a_paused_machine_says_what_it_waits_for(bench, monkeypatch):
     monkeypatch.setattr(server, "time", clock)
     monkeypatch.setattr(bench.server, "say", said.append)
     bench.server.machine.now.paused, began = True, bench.sim.time
-    program._send(program.channel, IOCTL, program.name, mcdef.MENABLE, 0, b"")
+    program._send(program.channel, IOCTL, program.inode, mcdef.MENABLE, 0, b"")
     for passes, lines in ((0, 0), (0.9, 0), (0.2, 1), (5, 1)):
         clock.now += passes
         for _ in range(2):

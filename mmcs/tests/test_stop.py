@@ -78,7 +78,7 @@ def test_a_stop_reaches_an_enable_that_waits(bench, program):
     assert program.call(IOCTL, mcdef.MSTOP)[0] == 0
     with stop_line(bench) as line:
         bench.server.step()
-        program._send(program.channel, IOCTL, program.name, mcdef.MENABLE, 0, b"")
+        program._send(program.channel, IOCTL, program.inode, mcdef.MENABLE, 0, b"")
         looks = []
         genuine = bench.server._listen
 

@@ -120,7 +120,7 @@ uint64_t lock_timers(uint64_t now) {
       if (t->interval > 0) times += (now - t->first) / t->interval;
       t->first = t->interval > 0 ? t->first + times * t->interval : 0;
       if (t->file > 0) (void)!syscall(SYS_write, t->file, &times, sizeof(times));
-      if (t->signal > 0) (void)sigqueue(wire_pid(), t->signal, t->value);
+      if (t->signal > 0) (void)sigqueue(wire_pid, t->signal, t->value);
     }
     if (t->first > 0 && t->first < next) next = t->first;
   }

@@ -42,19 +42,19 @@ _Static_assert(sizeof(long) == 8, "a long has 64 bits");
 
 /* Opens a device: a descriptor that stands for it, or a negative errno. */
 int wire_open(const char *path, int flags);
-/* The file's name if fd is one of ours (1, name filled), else 0. errno is kept. */
-int wire_is_file(int fd, char name[WIRE_NAME]);
+/* The file's inode if fd is one of ours, else 0. errno is kept. */
+ino_t wire_file(int fd);
 /* One call. out_length: in: room, out: bytes received, never more. Returns the result; -EIO when
  * the server is gone or answers nonsense; -EINTR when it answers nothing and a signal was handled.
  */
-int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
-              uint32_t length, void *out, uint32_t *out_length);
-pid_t wire_pid(void);
+int wire_call(uint32_t op, ino_t file, uint64_t a, uint64_t b, const void *data, uint32_t length,
+              void *out, uint32_t *out_length);
 /* A connection to the server, or a negative errno. */
 int wire_connect(int cloexec);
 /* A request, in one piece: 0, or -1. */
-int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
-             const void *data, uint32_t length);
+int wire_ask(int fd, uint32_t op, ino_t file, uint64_t a, uint64_t b, const void *data,
+             uint32_t length);
+extern pid_t wire_pid; /* this process */
 /* How many calls this process has made: each may have taken machine time. And without those that
  * change nothing but setpoints. */
 extern unsigned long wire_calls, wire_others;
@@ -66,8 +66,8 @@ extern unsigned long wire_calls, wire_others;
 #define REQUEST_IN(r) (((r) & 0x80000000u) != 0)
 #define REQUEST_OUT(r) (((r) & 0x40000000u) != 0)
 
-ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length);
-ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length);
+ssize_t device_read(ino_t file, void *buffer, size_t length);
+ssize_t device_write(ino_t file, const void *buffer, size_t length);
 /* 1 if the path names a device that may be opened here. */
 int device_is_path(const char *path);
 /* files.c: a stream that reads and writes a descriptor by the calls here. */
@@ -80,8 +80,7 @@ int device_fail(int result);
 /* To or from the program's memory, which may not be there: 0, or -EFAULT. Onto itself, before the
  * server does what cannot be undone: whether it can be written. */
 int device_copy(void *to, const void *from, size_t length);
-void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
-              const char name[WIRE_NAME]);
+void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset, ino_t file);
 /* 1 if the range belonged to a window and was unmapped. */
 int vme_unmap(void *address, uint64_t length);
 
@@ -113,11 +112,10 @@ void lock_end_thread(void);
 int lock_sample(void *number);
 /* A read(), with request 0, or a request whose argument only comes out: its bytes if they are known
  * from before, else 0. And what the server has answered to one. */
-int lock_known(const char name[WIRE_NAME], uint32_t request, void *data, uint32_t asked);
-void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, uint32_t asked,
-                int length);
+int lock_known(ino_t file, uint32_t request, void *data, uint32_t asked);
+void lock_learn(ino_t file, uint32_t request, const void *data, uint32_t asked, int length);
 /* 1: the server will find these bytes, and write() succeeds. */
-int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t length);
+int lock_write_later(ino_t file, const void *data, uint32_t length);
 /* Before a call to the server: it must not overtake such a write(). */
 void lock_write_first(void);
 /* After it, when it may have taken machine time. */

@@ -49,21 +49,21 @@ int access(const char *path, int mode) {
 /* --- vectors --------------------------------------------------------------------------- */
 
 ssize_t writev(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME], data[MOST];
+  const ino_t file = wire_file(fd);
+  char data[MOST];
   size_t done = 0;
-  if (!wire_is_file(fd, name)) return syscall(SYS_writev, fd, vector, count);
+  if (file == 0) return syscall(SYS_writev, fd, vector, count);
   for (int i = 0; i < count; done += vector[i++].iov_len) {
     if (vector[i].iov_len > MOST - done) return device_fail(-EINVAL);
     if (device_copy(data + done, vector[i].iov_base, vector[i].iov_len) < 0)
       return device_fail(-EFAULT);
   }
-  return device_fail((int)device_write(name, data, done));
+  return device_fail((int)device_write(file, data, done));
 }
 
 /* The first buffer: a read may give less than was asked for. */
 ssize_t readv(int fd, const struct iovec *vector, int count) {
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return syscall(SYS_readv, fd, vector, count);
+  if (wire_file(fd) == 0) return syscall(SYS_readv, fd, vector, count);
   return read(fd, vector->iov_base, vector->iov_len);
 }
 
@@ -86,8 +86,7 @@ static ssize_t stream_write(void *cookie, const char *buffer, size_t length) {
 
 /* To any place: what was read ahead is old then, and the next read takes a new sample. */
 static int stream_seek(void *cookie, off64_t *place, int whence) {
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd_of(cookie), name)) return (int)lseek(fd_of(cookie), *place, whence);
+  if (wire_file(fd_of(cookie)) == 0) return (int)lseek(fd_of(cookie), *place, whence);
   *place = 0;
   return 0;
 }
@@ -105,10 +104,9 @@ FILE *device_stream(int fd, const char *mode) {
 
 /* Unbuffered, the library reads a file in one piece, but such a stream byte by byte. */
 size_t fread(void *to, size_t size, size_t n, FILE *file) {
-  char name[WIRE_NAME];
   ssize_t got;
   if (size == 0 || n == 0 || n > SSIZE_MAX / size || __fbufsize(file) != 1 ||
-      !wire_is_file(fileno(file), name))
+      wire_file(fileno(file)) == 0)
     return REAL(fread)(to, size, n, file);
   got = read(fileno(file), to, size * n);
   if (got < 0) file->_flags |= _IO_ERR_SEEN;
@@ -141,7 +139,6 @@ FILE *fopen(const char *path, const char *mode) {
 SAME(fopen64, fopen);
 
 FILE *fdopen(int fd, const char *mode) {
-  char name[WIRE_NAME];
-  if (wire_is_file(fd, name)) return device_stream(fd, mode);
+  if (wire_file(fd) != 0) return device_stream(fd, mode);
   return REAL(fdopen)(fd, mode);
 }

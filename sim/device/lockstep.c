@@ -165,42 +165,40 @@ void lock_polls(void) {
 /* The last answer to a read(), which may have come with a sample, and to a request. It holds until
  * a thread waits, or makes a call that may change something. */
 static struct known {
-  char name[WIRE_NAME];
+  ino_t file;
   uint32_t request, asked, length;
   unsigned long others; /* wire_others then */
   char data[32 * 28];
 } known[2];
 static int has_read; /* since the last wait: states shall come with the next sample */
 
-int lock_known(const char name[WIRE_NAME], uint32_t request, void *data, uint32_t asked) {
+int lock_known(ino_t file, uint32_t request, void *data, uint32_t asked) {
   struct known *k = &known[request != 0];
   lock_polls();
   if (!lock_on()) return 0;
   has_read |= request == 0;
-  if (k->length > 0 && k->request == request && k->asked == asked && k->others == wire_others &&
-      memcmp(k->name, name, WIRE_NAME) == 0) {
-    memcpy(data, k->data, k->length);
-    return (int)k->length;
-  }
-  return 0;
+  if (k->file != file || k->request != request || k->asked != asked || k->others != wire_others)
+    return 0;
+  memcpy(data, k->data, k->length);
+  return (int)k->length;
 }
 
-void lock_learn(const char name[WIRE_NAME], uint32_t request, const void *data, uint32_t asked,
-                int length) {
+void lock_learn(ino_t file, uint32_t request, const void *data, uint32_t asked, int length) {
   struct known *k = &known[request != 0];
   if (!lock_on() || length < 0 || (size_t)length > sizeof(k->data)) return;
+  k->file = file;
   k->request = request;
   k->asked = asked;
   k->length = (uint32_t)length;
   k->others = wire_others;
-  memmove(k->name, name, WIRE_NAME);
   memcpy(k->data, data, (size_t)length);
 }
 
 /* The last write(). With an answer: one like it may do without, and is carried out in front of what
  * this process asks next. */
 static struct {
-  char name[WIRE_NAME], data[128]; /* of 32 axes */
+  ino_t file;
+  char data[128]; /* of 32 axes */
   uint32_t length;
   int due;
   unsigned long others; /* wire_others then */
@@ -208,9 +206,9 @@ static struct {
 static int may_be_later;
 
 /* A signal's handler that interrupts this finds may_be_later taken, and its write() is answered. */
-int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t length) {
+int lock_write_later(ino_t file, const void *data, uint32_t length) {
   int may = may_be_later && lock_on() && last.others == wire_others && last.length == length &&
-            memcmp(last.name, name, WIRE_NAME) == 0;
+            last.file == file;
   may_be_later = 0;
   if (may) {
     memcpy(last.data, data, length);
@@ -218,7 +216,7 @@ int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t leng
   } else {
     last.others = wire_others;
     last.length = length;
-    memcpy(last.name, name, WIRE_NAME);
+    last.file = file;
   }
   return may;
 }
@@ -226,7 +224,7 @@ int lock_write_later(const char name[WIRE_NAME], const void *data, uint32_t leng
 __attribute__((destructor)) void lock_write_first(void) {
   if (!last.due || !lock_on()) return;
   last.due = 0;
-  (void)wire_call(WIRE_WRITE, last.name, 0, 0, last.data, last.length, NULL, NULL);
+  (void)wire_call(WIRE_WRITE, last.file, 0, 0, last.data, last.length, NULL, NULL);
 }
 
 /* A timer that has run out meanwhile sends its signal. */
@@ -257,7 +255,7 @@ static int wait_once(struct wire_wait *head, const int *files, const sigset_t *m
   if (result < 0) return result;
   learn();
   may_be_later = page->now.writes && last.length <= sizeof(last.data);
-  lock_learn(states->name, 0, page->states, states->asked, (int)page->length);
+  lock_learn(states->file, 0, page->states, states->asked, (int)page->length);
   return result;
 }
 
@@ -342,12 +340,10 @@ void lock_begin_thread(unsigned number) {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   line = wire_connect(1);
-  if (line < 0 || wire_ask(line, WIRE_LINE, NULL, number, (uint64_t)pthread_self(), NULL, 0) < 0 ||
-      take_page() < 0 || answer(NULL) < 0) {
-    enabled = 0;
-  } else {
-    learn();
-  }
+  enabled = enabled && line >= 0 &&
+            wire_ask(line, WIRE_LINE, 0, number, (uint64_t)pthread_self(), NULL, 0) == 0 &&
+            take_page() == 0 && answer(NULL) >= 0;
+  if (enabled) learn();
   pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 

@@ -69,36 +69,36 @@ SAME(__open64_2, open);
 /* --- read, write, ioctl ---------------------------------------------------------------- */
 
 /* An answer is believed as far as its bytes have come, and no further than was asked for. */
-ssize_t device_read(const char name[WIRE_NAME], void *buffer, size_t length) {
+ssize_t device_read(ino_t file, void *buffer, size_t length) {
   char data[4096];
   uint32_t room = (uint32_t)(length < sizeof(data) ? length : sizeof(data)), asked = room;
-  int result = lock_known(name, 0, data, asked);
+  int result = lock_known(file, 0, data, asked);
   if (result > 0) return device_copy(buffer, data, (size_t)result) < 0 ? -EFAULT : result;
   if (device_copy(buffer, buffer, asked) < 0) return -EFAULT;
-  result = wire_call(WIRE_READ, name, asked, 0, NULL, 0, data, &room);
+  result = wire_call(WIRE_READ, file, asked, 0, NULL, 0, data, &room);
   if (result > 0 && (uint32_t)result != room) return -EIO;
-  lock_learn(name, 0, data, asked, result);
+  lock_learn(file, 0, data, asked, result);
   if (result > 0 && device_copy(buffer, data, room) < 0) return -EFAULT;
   return result;
 }
 
-ssize_t device_write(const char name[WIRE_NAME], const void *buffer, size_t length) {
+ssize_t device_write(ino_t file, const void *buffer, size_t length) {
   char data[4096];
   int result;
   if (length > sizeof(data)) return -EINVAL;
   if (device_copy(data, buffer, length) < 0) return -EFAULT;
-  if (lock_write_later(name, data, (uint32_t)length)) return (ssize_t)length;
-  result = wire_call(WIRE_WRITE, name, 0, 0, data, (uint32_t)length, NULL, NULL);
+  if (lock_write_later(file, data, (uint32_t)length)) return (ssize_t)length;
+  result = wire_call(WIRE_WRITE, file, 0, 0, data, (uint32_t)length, NULL, NULL);
   return result > (int)length ? -EIO : result;
 }
 
 ssize_t read(int fd, void *buffer, size_t length) {
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) {
+  const ino_t file = wire_file(fd);
+  if (file == 0) {
     if (lock_await(fd, POLLIN) == 0) return -1;
     return syscall(SYS_read, fd, buffer, length);
   }
-  return device_fail((int)device_read(name, buffer, length));
+  return device_fail((int)device_read(file, buffer, length));
 }
 
 ssize_t __read_chk(int fd, void *buffer, size_t length, size_t size);
@@ -118,12 +118,12 @@ static ssize_t write_elsewhere(int fd, const char *from, size_t length) {
 }
 
 ssize_t write(int fd, const void *buffer, size_t length) {
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return write_elsewhere(fd, buffer, length);
-  return device_fail((int)device_write(name, buffer, length));
+  const ino_t file = wire_file(fd);
+  if (file == 0) return write_elsewhere(fd, buffer, length);
+  return device_fail((int)device_write(file, buffer, length));
 }
 
-static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argument) {
+static int device_ioctl(ino_t file, uint32_t request, void *argument) {
   char in[256] = {0}, out[256];
   uint32_t size = REQUEST_SIZE(request), room = size;
   const int only_out = REQUEST_OUT(request) && !REQUEST_IN(request) && request != MWHY;
@@ -132,20 +132,20 @@ static int device_ioctl(const char name[WIRE_NAME], uint32_t request, void *argu
   if (request == MWAIT && lock_on()) return lock_sample(argument);
   if (size > 0 && device_copy(in, argument, size) < 0) return -EFAULT;
   if (REQUEST_OUT(request) && device_copy(argument, argument, size) < 0) return -EFAULT;
-  if (only_out && lock_known(name, request, out, size) > 0) return device_copy(argument, out, size);
-  result = wire_call(WIRE_IOCTL, name, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
+  if (only_out && lock_known(file, request, out, size) > 0) return device_copy(argument, out, size);
+  result = wire_call(WIRE_IOCTL, file, request, 0, in, REQUEST_IN(request) ? size : 0, out, &room);
   if (result < 0 || !REQUEST_OUT(request)) return result;
   if (room != size) return -EIO;
-  if (only_out && result == 0) lock_learn(name, request, out, size, (int)size);
+  if (only_out && result == 0) lock_learn(file, request, out, size, (int)size);
   return device_copy(argument, out, size) < 0 ? -EFAULT : result;
 }
 
 int ioctl(int fd, unsigned long request, ...) {
   void *argument = ARGUMENT(void *, request);
-  char name[WIRE_NAME];
-  if (!wire_is_file(fd, name)) return (int)syscall(SYS_ioctl, fd, request, argument);
+  const ino_t file = wire_file(fd);
+  if (file == 0) return (int)syscall(SYS_ioctl, fd, request, argument);
   /* a request held in an int arrives sign-extended: its low 32 bits are the number */
-  return device_fail(device_ioctl(name, (uint32_t)request, argument));
+  return device_fail(device_ioctl(file, (uint32_t)request, argument));
 }
 
 /* A write() that nobody has waited for comes before the end of the file, or of the program. */
@@ -174,19 +174,19 @@ void _exit(int status) {
 /* --- fork and exec: who holds the file, for SIGUSR1. close() is the kernel's business. --- */
 
 /* 1: it is /dev/vme16; 2: and open for writing. */
-static int hold_file(const char name[WIRE_NAME]) {
-  return wire_call(WIRE_HOLD, name, 0, 0, NULL, 0, NULL, NULL);
+static int hold_file(ino_t file) {
+  return wire_call(WIRE_HOLD, file, 0, 0, NULL, 0, NULL, NULL);
 }
 
 /* This process holds what it has inherited, by fork or across exec. */
 static void hold_all(void) {
   DIR *folder = opendir("/proc/self/fd");
   struct dirent *entry;
-  char name[WIRE_NAME];
   if (folder == NULL) return;
-  while ((entry = readdir(folder)) != NULL)
-    if (entry->d_name[0] != '.' && wire_is_file((int)strtol(entry->d_name, NULL, 10), name))
-      (void)hold_file(name);
+  while ((entry = readdir(folder)) != NULL) {
+    const ino_t file = wire_file(entry->d_name[0] != '.' ? atoi(entry->d_name) : -1);
+    if (file != 0) (void)hold_file(file);
+  }
   closedir(folder);
 }
 
@@ -199,12 +199,11 @@ __attribute__((constructor)) static void start(void) {
 
 void *mmap(void *address, size_t length, int prot, int flags, int fd, off_t offset) {
   const int shared_writes = prot & PROT_WRITE && flags & MAP_SHARED;
-  char name[WIRE_NAME];
+  const ino_t file = flags & MAP_ANONYMOUS ? 0 : wire_file(fd);
   int held;
-  if (fd < 0 || (flags & MAP_ANONYMOUS) || !wire_is_file(fd, name))
-    return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
-  held = hold_file(name);
-  if (held > shared_writes) return vme_map(address, length, prot, fd, offset, name);
+  if (file == 0) return (void *)syscall(SYS_mmap, address, length, prot, flags, fd, offset);
+  held = hold_file(file);
+  if (held > shared_writes) return vme_map(address, length, prot, fd, offset, file);
   errno = held == 1 ? EACCES : ENODEV;
   return MAP_FAILED;
 }

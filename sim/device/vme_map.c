@@ -33,7 +33,7 @@ static struct window {
   int writable;
   int fd;         /* keeps the file open when the program closes its own */
   int64_t offset; /* A16 address of the first byte */
-  char name[WIRE_NAME];
+  ino_t file;
 } windows[MAX_WINDOWS];
 
 static int caught;                /* our handlers are in place, for good */
@@ -92,7 +92,7 @@ static int transfer(struct window *w, uint8_t *at, uint32_t width, int store) {
   while (done < width) {
     uint32_t n = width - done >= 2 && ((address + done) & 1) == 0 ? 2 : 1, room = n;
     uint8_t *half = at + (width == 4 && n == 2 ? done ^ 2 : done);
-    int result = wire_call(store ? WIRE_STORE : WIRE_LOAD, w->name, address + done, n, half,
+    int result = wire_call(store ? WIRE_STORE : WIRE_LOAD, w->file, address + done, n, half,
                            store ? n : 0, half, store ? NULL : &room);
     if (result != WIRE_BUS_OK) return result < 0 ? WIRE_BUS_TIMEOUT : result;
     if (!store && room != n) return WIRE_BUS_TIMEOUT; /* half an answer is none */
@@ -206,7 +206,7 @@ __attribute__((noinline)) int device_copy(void *to, const void *from, size_t len
 #else
 int device_copy(void *to, const void *from, size_t length) {
   struct iovec local = {to, length}, remote = {(void *)(uintptr_t)from, length};
-  return process_vm_readv(wire_pid(), &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
+  return process_vm_readv(wire_pid, &local, 1, &remote, 1, 0) == (ssize_t)length ? 0 : -EFAULT;
 }
 #endif
 
@@ -225,8 +225,7 @@ sighandler_t signal(int number, sighandler_t handler) {
   return old.sa_handler;
 }
 
-void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
-              const char name[WIRE_NAME]) {
+void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset, ino_t file) {
 #if defined(__x86_64__)
   struct window *w = NULL;
   long got;
@@ -251,12 +250,12 @@ void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset,
   w->length = length;
   w->offset = offset;
   w->writable = (prot & PROT_WRITE) != 0;
-  memcpy(w->name, name, WIRE_NAME);
+  w->file = file;
   w->base = (uint8_t *)got;
   catch_faults();
   return w->base;
 #else
-  (void)address, (void)length, (void)prot, (void)fd, (void)offset, (void)name;
+  (void)address, (void)length, (void)prot, (void)fd, (void)offset, (void)file;
   errno = ENODEV; /* needs the instruction decoder above for this processor */
   return MAP_FAILED;
 #endif

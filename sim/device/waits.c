@@ -120,7 +120,7 @@ CALL(int, sigwait, (const sigset_t *set, int *number), (set, number)) {
 
 /* What a signal is sent by: who waits hears of it from the server. SIGSTOP wakes nobody. */
 static int sent(int result, uint64_t to, int number, uint64_t kind) {
-  if (result == 0 && number != 0 && number != SIGSTOP && lock_on() && to != (uint64_t)wire_pid())
+  if (result == 0 && number != 0 && number != SIGSTOP && lock_on() && to != (uint64_t)wire_pid)
     (void)lock_tell(WIRE_POKE, to, (uint64_t)number | kind);
   return result;
 }
@@ -252,8 +252,7 @@ size_t lock_await(int fd, short events) {
 /* A call that takes from a socket, once there is something. */
 #define TAKES(result, name, parameters, arguments, flags)                    \
   CALL(result, name, parameters, arguments) {                                \
-    char file[WIRE_NAME];                                                    \
-    int waits = !((flags) & MSG_DONTWAIT) && !wire_is_file(fd, file);        \
+    int waits = !((flags) & MSG_DONTWAIT) && wire_file(fd) == 0;             \
     return waits && lock_await(fd, POLLIN) == 0 ? -1 : REAL(name) arguments; \
   }
 TAKES(ssize_t, recv, (int fd, void *to, size_t size, int flags), (fd, to, size, flags), flags)

@@ -50,11 +50,11 @@ static void end_thread(void *unused) {
   close_channel();
 }
 
-static pid_t own_pid; /* getpid() without a call of the kernel */
+pid_t wire_pid; /* getpid() without a call of the kernel */
 
 /* The channel that a child of fork has is its parent's. */
 static void note_pid(void) {
-  own_pid = getpid();
+  wire_pid = getpid();
   close_channel();
 }
 
@@ -67,19 +67,13 @@ __attribute__((constructor(101))) static void keep_path(void) {
   (void)pthread_atfork(NULL, NULL, note_pid); /* before all that ask for it in the child */
 }
 
-pid_t wire_pid(void) {
-  return own_pid;
-}
-
 /* The preload library interposes read, write and close; these go straight to the kernel. */
-int wire_ask(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
-             const void *data, uint32_t length) {
-  struct wire_request head = {.magic = WIRE_MAGIC, .op = op, .a = a, .b = b, .length = length};
+int wire_ask(int fd, uint32_t op, ino_t file, uint64_t a, uint64_t b, const void *data,
+             uint32_t length) {
+  struct wire_request head = {WIRE_MAGIC, op, file, a, b, length, wire_pid};
   struct iovec parts[2] = {{&head, sizeof(head)}, {(void *)(uintptr_t)data, length}};
   struct msghdr message = {.msg_iov = parts, .msg_iovlen = 2};
   ssize_t sent;
-  head.pid = wire_pid();
-  if (name != NULL) memcpy(head.name, name, WIRE_NAME);
   do sent = syscall(SYS_sendmsg, fd, &message, MSG_NOSIGNAL);
   while (sent < 0 && errno == EINTR);
   return sent < 0 ? -1 : 0;
@@ -116,7 +110,6 @@ static int is_mine(int fd) {
   return getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid == geteuid();
 }
 
-/* Bound first, so that it has a name of its own. */
 int wire_connect(int cloexec) {
   struct sockaddr_un address = {.sun_family = AF_UNIX};
   const struct timeval late = {0, LATE_MS * 1000};
@@ -126,11 +119,8 @@ int wire_connect(int cloexec) {
   if (fd < 0) return -errno;
   (void)pthread_setspecific(at_thread_end, &channel);
   (void)setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &late, sizeof(late));
-  /* autobind: the kernel picks a free abstract address */
-  if (bind(fd, (struct sockaddr *)&address, sizeof(address.sun_family)) == 0) {
-    memcpy(address.sun_path, server_path, sizeof(address.sun_path));
-    if (connect(fd, (struct sockaddr *)&address, sizeof(address)) == 0 && is_mine(fd)) return fd;
-  }
+  memcpy(address.sun_path, server_path, sizeof(address.sun_path));
+  if (connect(fd, (struct sockaddr *)&address, sizeof(address)) == 0 && is_mine(fd)) return fd;
   close_directly(fd);
   return -ENXIO; /* as a driver answers without its hardware */
 }
@@ -140,11 +130,10 @@ unsigned long wire_calls, wire_others;
 /* The connection broke; distinct from every errno that the server may answer. */
 #define LOST (-0x10000)
 
-static int exchange(int fd, uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b,
-                    const void *data, uint32_t length, void *out, uint32_t *out_length,
-                    const sigset_t *before) {
+static int exchange(int fd, uint32_t op, ino_t file, uint64_t a, uint64_t b, const void *data,
+                    uint32_t length, void *out, uint32_t *out_length, const sigset_t *before) {
   struct wire_reply reply;
-  int got = wire_ask(fd, op, name, a, b, data, length);
+  int got = wire_ask(fd, op, file, a, b, data, length);
   if (got == 0) got = take(fd, &reply, out, out_length != NULL ? *out_length : 0, before);
   if (got != 0) return got == -EINTR ? -EINTR : LOST;
   if (out_length != NULL) *out_length = reply.length;
@@ -156,8 +145,8 @@ int wire_open(const char *path, int flags) {
   int result, fd = wire_connect((flags & O_CLOEXEC) != 0);
   if (fd < 0) return fd;
   pthread_sigmask(SIG_SETMASK, NULL, &now);
-  result = exchange(fd, WIRE_OPEN, NULL, (uint64_t)flags, inode_of(fd), path,
-                    (uint32_t)strlen(path), NULL, NULL, &now);
+  result = exchange(fd, WIRE_OPEN, inode_of(fd), (uint64_t)flags, 0, path, (uint32_t)strlen(path),
+                    NULL, NULL, &now);
   if (result < 0) {
     close_directly(fd);
     return result == LOST ? -ENXIO : result;
@@ -166,31 +155,21 @@ int wire_open(const char *path, int flags) {
   return fd;
 }
 
-/* Some that were files lately, by the kernel's number of the socket. */
-static __thread struct {
-  ino_t inode;
-  char name[WIRE_NAME];
-} known[8];
-
-int wire_is_file(int fd, char name[WIRE_NAME]) {
-  struct sockaddr_un own = {0}, peer = {0};
+ino_t wire_file(int fd) {
+  static __thread ino_t known[8]; /* some that were files lately */
+  struct sockaddr_un peer = {0};
   struct stat status = {0};
-  socklen_t length = sizeof(peer), own_length = sizeof(own);
-  const int place = fd & 7, saved = errno;
+  socklen_t length = sizeof(peer);
+  const int saved = errno;
   int ours = fd >= 0 && syscall(SYS_fstat, fd, &status) == 0 && S_ISSOCK(status.st_mode);
-  if (ours && status.st_ino != known[place].inode) {
+  if (ours && status.st_ino != known[fd & 7]) {
     ours = server_path[0] && getpeername(fd, (struct sockaddr *)&peer, &length) == 0 &&
            peer.sun_family == AF_UNIX &&
-           strncmp(peer.sun_path, server_path, sizeof(peer.sun_path)) == 0 &&
-           getsockname(fd, (struct sockaddr *)&own, &own_length) == 0;
-    if (ours) {
-      known[place].inode = status.st_ino;
-      memcpy(known[place].name, own.sun_path + 1, WIRE_NAME - 1);
-    }
+           strncmp(peer.sun_path, server_path, sizeof(peer.sun_path)) == 0;
+    if (ours) known[fd & 7] = status.st_ino;
   }
-  if (ours) memcpy(name, known[place].name, WIRE_NAME);
   errno = saved;
-  return ours;
+  return ours ? status.st_ino : 0;
 }
 
 static struct channel take_channel(void) {
@@ -209,8 +188,8 @@ static int changes(uint32_t op, uint64_t a) {
 }
 
 /* A handler of SIGUSR1 calls the driver too: signals wait for the reply, as long as one comes. */
-int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, const void *data,
-              uint32_t length, void *out, uint32_t *out_length) {
+int wire_call(uint32_t op, ino_t file, uint64_t a, uint64_t b, const void *data, uint32_t length,
+              void *out, uint32_t *out_length) {
   sigset_t all, before;
   struct channel c;
   int result = LOST;
@@ -221,7 +200,7 @@ int wire_call(uint32_t op, const char name[WIRE_NAME], uint64_t a, uint64_t b, c
   lock_write_first();
   c = take_channel();
   if (c.fd >= 0) {
-    result = exchange(c.fd, op, name, a, b, data, length, out, out_length, &before);
+    result = exchange(c.fd, op, file, a, b, data, length, out, out_length, &before);
     if (result == LOST || result == -EINTR || channel.fd >= 0) { /* a handler has left its own */
       close_directly(c.fd);
     } else {

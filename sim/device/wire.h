@@ -5,8 +5,8 @@
  * is what open("/dev/mc0") returns: the kernel gives it dup, fork, close and exit for free, and the
  * server sees the last close as a hang-up. It carries only the opening request, its reply, and one
  * byte that keeps it readable for poll(); bytes sent on it past this library fail with EPIPE. A
- * *channel* carries calls, one at a time; a call names its file by the abstract address that the
- * kernel gave the file when it was bound. Both ends ask the kernel for the user at the other one.
+ * *channel* carries calls, one at a time; a call names its file by the inode of the
+ * program's end. Both ends ask the kernel for the user at the other one.
  *
  * All numbers are little-endian, as on the machines that can run this; structures are packed by
  * construction. Python reads this very file, so it holds plain C declarations only.
@@ -18,13 +18,12 @@
 #include <stdint.h>
 
 enum wire_number {
-  WIRE_NAME = 16,
   WIRE_MAX = 65536,       /* most bytes that one call moves either way */
   WIRE_MAGIC = 0x31434D4D /* "MMC1" */
 };
 
 enum wire_op {
-  WIRE_OPEN = 1,  /* on a new file: a = open flags, b = its inode, data = device path */
+  WIRE_OPEN = 1,  /* on a new file: a = open flags, data = device path */
   WIRE_IOCTL = 2, /* a = request, data = argument in; reply data = argument out. MWAIT is answered
                      behind the next servo sample; MWHY is of the last call on this channel, b =
                      room for it, 0: MWHY_SIZE */
@@ -91,7 +90,7 @@ struct wire_now {
 struct wire_request {
   uint32_t magic;
   uint32_t op;
-  char name[WIRE_NAME]; /* the file's address, without the leading zero; empty for WIRE_OPEN */
+  uint64_t file; /* its inode, not 0 */
   uint64_t a, b;
   uint32_t length; /* bytes of data that follow */
   int32_t pid;
