@@ -269,18 +269,19 @@ class Device:
         channel = None if self._attached else self._take_channel()
         try:
             result, out = self._call(channel, op, a, data)
-            why = why or result < 0
-            said = self._call(channel, wire.IOCTL, wire.MWHY)[1] if why else b""
+            said = ""
+            if why or result < 0:
+                text = self._call(channel, wire.IOCTL, wire.MWHY)[1]
+                said = text.partition(b"\0")[0].decode()
         except BaseException:
             if channel:
                 channel.close()  # an answer may still come on it, which nobody waits for
             raise
         if channel:
             self._idle.append(channel)
-        known = said.partition(b"\0")[0].decode()
         if result < 0:
-            raise OSError(-result, _sentence(-result, known))
-        return out, known
+            raise OSError(-result, _sentence(-result, said))
+        return out, said
 
     def _call(self, channel, op: int, a: int, data: bytes = b"") -> tuple[int, bytes]:
         """Result and data. In lock-step as a C program makes it: the library knows of every call,

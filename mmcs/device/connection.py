@@ -9,24 +9,20 @@ IN, OUT, GONE = select.EPOLLIN, select.EPOLLOUT, select.EPOLLHUP | select.EPOLLE
 
 
 class Connection:
-    """Knows bytes only; those who derive from it know requests. Then they have serve(nested), which
-    does one; nested: another client's request waits meanwhile, and what would wait is asked again
-    later."""
+    """Knows bytes only; those who derive from it know requests. They have receive(), which takes
+    what has come unless a request waits already, and serve(nested), which does one; nested: another
+    client's request waits meanwhile, and what would wait is asked again later."""
 
     def __init__(self, sock, server):
         sock.setblocking(False)  # nobody who does not read his replies can hold us up
         self.sock, self.server, self.machine = sock, server, server.machine
         self.ended = False  # nothing more will come
         self.busy = False  # a request of it is under way
-        self.held = False  # its request waits for the end of a pause
+        self.paused_at: float | None = None  # when its request met a pause, whose end it waits for
         self._mask = IN
         server.poll.register(sock, IN)
 
     # --- for those who derive ---
-
-    def receive(self) -> None:
-        """Takes what is there, unless a request waits already."""
-        raise NotImplementedError
 
     def has_request(self) -> bool:
         """A whole request is there. What cannot become one ends the connection."""

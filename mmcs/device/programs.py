@@ -28,7 +28,6 @@ class Program(Connection):
         self._inode = 0  # of its other end
         self.pids: set[int] = set()  # processes that had the file open when they said so last
         self._said = ""  # by the driver, when the last call on this channel failed
-        self._paused_at: float | None = None  # the clock on the wall when its request met a pause
         self._turns = server.lockstep
 
     def receive(self) -> None:
@@ -46,14 +45,13 @@ class Program(Connection):
         if op == wire.IOCTL:
             a &= 0xFFFFFFFF  # held in an int, a request arrives sign-extended
         waits = op == wire.IOCTL and a in self.machine.waits
-        if waits:
-            now = self.machine.now  # paused: what needs the machine's time waits for the end
-            self.held = bool(now.paused and now.target < 0)
-            if self.held:
-                self._say_paused(a, pid)
-        if self.held or (nested and waits):
+        now = self.machine.now  # paused: what needs the machine's time waits for the end
+        if waits and now.paused and now.target < 0:
+            self._say_paused(a, pid)
             return
-        self._paused_at = None
+        self.paused_at = None
+        if waits and nested:
+            return
         request, self._request = self._request, b""
         if op == wire.LINE and self._turns.on and not length:
             self.ended = True
@@ -78,10 +76,9 @@ class Program(Connection):
     def _say_paused(self, request: int, pid: int) -> None:
         """Once, when it has waited for a while."""
         now = self.server.listened
-        if self._paused_at is None:
-            self._paused_at = now
-        if now - self._paused_at >= PAUSED_S:
-            self._paused_at = math.inf
+        self.paused_at = self.paused_at or now
+        if now - self.paused_at >= PAUSED_S:
+            self.paused_at = math.inf
             name = next(n for n, known in mcdef.requests().items() if known.code == request)
             what = f"{name} waits: the machine is paused, and a tool must let it go on"
             self.server.say(f"mmcs: {wire.command(pid) or 'a program'} ({pid}): {what}")

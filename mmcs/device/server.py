@@ -57,8 +57,8 @@ class Server:
         self.stopping = False
         self.advances: tuple[Messenger, object] | None = None  # who lets time pass, and its id
         self._events = 0  # of the tap: signals among them
-        self._watchers: list[Program] = []  # for a sample
-        self._watched = 0  # the clock until which they wait
+        # who waits for a sample: how many there were before, and the clock until which it waits
+        self._watchers: list[tuple[Program, int, int]] = []
         self.listened = time.monotonic()
         self.restart()
         self.poll = select.epoll()
@@ -105,15 +105,14 @@ class Server:
                 self._listen(0)  # for the stop path
                 self._hang_up_ended()
         self._pass_time()
+        self._answer_watchers()
         self._send()
 
     def _take_turns(self) -> None:
         """In lock-step, until something else than a line has to be served."""
         if self.lockstep.on and not self.machine.now.paused and self.advances is None:
-            before = self.sim.samples
             asked = any(c.has_request() for c in self.connections.values())  # is served before more
             self.lockstep.run(TURNS, 0 if asked else round(IDLE_S * 1000))
-            self._answer_watchers(self.sim.samples != before)
 
     def _serve(self, connection: Connection, nested: bool = False) -> None:
         with self._unharmed(connection):
@@ -153,7 +152,7 @@ class Server:
 
     def _wait(self) -> float:
         """Seconds until there is something to do."""
-        due = (c.has_request() and not (c.busy or c.held) for c in self.connections.values())
+        due = (c.has_request() and not (c.busy or c.paused_at) for c in self.connections.values())
         if self.advances is not None or any(due):
             return 0.0
         if self.lockstep.on:
@@ -186,24 +185,22 @@ class Server:
         clock, before = round(until * self._hz), self.sim.samples
         self.sim.run_to(max(clock, self.sim.clock + 1), bool(self._watchers))
         self.chunk = CHUNK_MIN_S if self.signal() else min(2 * self.chunk, CHUNK_MAX_S)
-        self.lockstep.passed(sampled := self.sim.samples != before)
-        self._answer_watchers(sampled)
+        self.lockstep.passed(self.sim.samples != before)
 
     def watch(self, connection: Program) -> None:
         """It is answered behind the next sample, or with EIO if the servo stands still."""
-        self._watchers.append(connection)
-        self._watched = self.sim.clock + round(NO_SAMPLE_S * self._hz)
+        late = self.sim.clock + round(NO_SAMPLE_S * self._hz)
+        self._watchers.append((connection, self.sim.samples, late))
 
-    def _answer_watchers(self, sampled: bool) -> None:
-        if not self._watchers or not (sampled or self.sim.clock > self._watched):
-            return
+    def _answer_watchers(self) -> None:
         watchers, self._watchers = self._watchers, []
-        number = (self.sim.samples & 0xFFFFFFFF).to_bytes(4, "little")
-        for connection in watchers:
-            if sampled:
-                connection.reply(0, number)
-            else:
+        for connection, before, late in watchers:
+            if self.sim.samples != before:
+                connection.reply(0, (self.sim.samples & 0xFFFFFFFF).to_bytes(4, "little"))
+            elif self.sim.clock > late:
                 connection.fail("no servo sample comes: interrupts are off")
+            else:
+                self._watchers.append((connection, before, late))
 
     def _go_on(self) -> None:
         now, (asker, id_) = self.machine.now, self.advances

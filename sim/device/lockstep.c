@@ -267,18 +267,20 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   sigset_t all, before, meanwhile;
   int cause, saved = errno;
   sigfillset(&all);
+  (void)lock_timers(now_ns); /* one set to what has passed */
   pthread_sigmask(SIG_SETMASK, &all, &before);
   meanwhile = mask != NULL ? *mask : before;
   head.what = what & ~LOCK_RESTARTS;
   head.mask = bits_of(&meanwhile);
   if (what & WAIT_FILES && until == WIRE_NEVER && takes_errors(head.mask)) head.what |= WAIT_ERROR;
   head.files = count < 64 ? count : 64;
-  for (;;) {
+  /* where nothing was blocked, nothing is pending */
+  for (int blocked = bits_of(&before) != 0;; blocked = 1) {
     uint64_t come;
     int heard = 0;
     head.until = lock_timers(now_ns);
     if (until < head.until) head.until = until;
-    head.pending = pending();
+    head.pending = blocked ? pending() : 0;
     cause = (head.pending & ~head.mask) != 0 && !(what & WAIT_DEAF)
                 ? CAUSE_SIGNAL
                 : wait_once(&head, files, &meanwhile, &heard);

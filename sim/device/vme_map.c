@@ -49,6 +49,12 @@ static __thread struct {
   sigset_t mask;
 } step;
 
+static struct window *window_of(const uint8_t *at) {
+  for (struct window *w = windows; w < windows + MAX_WINDOWS; w++)
+    if (w->base != NULL && at >= w->base && at < w->base + w->length) return w;
+  return NULL;
+}
+
 #if defined(__x86_64__)
 #include <ucontext.h>
 
@@ -130,16 +136,12 @@ extern const char device_copying[] __attribute__((visibility("hidden")));
 static void on_fault(int number, siginfo_t *info, void *context) {
   ucontext_t *uc = context;
   uint8_t *at = info->si_addr;
-  struct window *w = NULL;
-  int i, bus, pure_store = 0;
+  struct window *w = window_of(at);
+  int bus, pure_store = 0;
   if (uc->uc_mcontext.gregs[REG_RIP] == (greg_t)device_copying) { /* it ends, short of some bytes */
     uc->uc_mcontext.gregs[REG_RIP] += 2;
     return;
   }
-  for (i = 0; i < MAX_WINDOWS; i++)
-    if (windows[i].base != NULL && at >= windows[i].base &&
-        at < windows[i].base + windows[i].length)
-      w = &windows[i];
   if (w == NULL || number != SIGSEGV) {
     pass_on(number, info, context);
     return;
@@ -229,8 +231,8 @@ void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset, 
 #if defined(__x86_64__)
   struct window *w = NULL;
   long got;
-  int i, fixed;
-  for (i = 0; i < MAX_WINDOWS && w == NULL; i++)
+  int fixed;
+  for (int i = 0; i < MAX_WINDOWS && w == NULL; i++)
     if (windows[i].base == NULL) w = &windows[i];
   length = (length + 0xFFF) & ~(uint64_t)0xFFF;
   if (w == NULL || length == 0 || offset < 0 || (offset & 0xFFF) != 0 ||
@@ -262,13 +264,10 @@ void *vme_map(void *address, uint64_t length, int prot, int fd, int64_t offset, 
 }
 
 int vme_unmap(void *address, uint64_t length) {
-  int i;
-  for (i = 0; i < MAX_WINDOWS; i++) {
-    if (windows[i].base != address || address == NULL) continue;
-    windows[i].base = NULL;
-    (void)syscall(SYS_close, windows[i].fd);
-    (void)syscall(SYS_munmap, address, length);
-    return 1;
-  }
-  return 0;
+  struct window *w = window_of(address);
+  if (w == NULL || w->base != address) return 0;
+  w->base = NULL;
+  (void)syscall(SYS_close, w->fd);
+  (void)syscall(SYS_munmap, address, length);
+  return 1;
 }
