@@ -184,7 +184,7 @@ static void hold_all(void) {
   struct dirent *entry;
   if (folder == NULL) return;
   while ((entry = readdir(folder)) != NULL) {
-    const ino_t file = wire_file(entry->d_name[0] != '.' ? atoi(entry->d_name) : -1);
+    const ino_t file = wire_file((int)strtol(entry->d_name, NULL, 10)); /* ".": 0, once more */
     if (file != 0) (void)hold_file(file);
   }
   closedir(folder);

@@ -5,8 +5,8 @@
  * is what open("/dev/mc0") returns: the kernel gives it dup, fork, close and exit for free, and the
  * server sees the last close as a hang-up. It carries only the opening request, its reply, and one
  * byte that keeps it readable for poll(); bytes sent on it past this library fail with EPIPE. A
- * *channel* carries calls, one at a time; a call names its file by the inode of the
- * program's end. Both ends ask the kernel for the user at the other one.
+ * *channel* carries calls, one at a time; a call names its file by the inode of the program's end.
+ * Both ends ask the kernel for the user at the other one.
  *
  * All numbers are little-endian, as on the machines that can run this; structures are packed by
  * construction. Python reads this very file, so it holds plain C declarations only.
@@ -31,8 +31,8 @@ enum wire_op {
   WIRE_WRITE = 4, /* data = bytes */
   WIRE_LOAD = 5,  /* mapped read: a = offset, b = bytes (1, 2); reply data = value */
   WIRE_STORE = 6, /* mapped write: a = offset, b = bytes (1, 2), data = value */
-  WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec); result 1:
-                     /dev/vme16, 2: open for writing */
+  WIRE_HOLD = 7,  /* this process holds the file now (after fork or exec); result 1: /dev/vme16, 2:
+                     and open for writing */
   /* Lock-step only. Every thread has a connection more, its line, which carries the first of these
    * and shows that the other end is gone. Back come a file, its struct wire_page, for what it
    * asks from then on, an eventfd that tells of answers, and one that tells of requests. */
