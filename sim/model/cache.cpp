@@ -4,34 +4,16 @@
 #include "cache.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
-#include <map>
 #include <new>
 #include <stdexcept>
 #include <utility>
 
 namespace mmcs {
-namespace {
-
-uint64_t hash_of(const uint8_t *bytes, size_t size, uint64_t counters, uint64_t inputs) {
-  uint64_t hash = 0x9E3779B97F4A7C15ull ^ counters;
-  const auto mix = [&hash](uint64_t word) {
-    hash = (hash ^ word) * 0xFF51AFD7ED558CCDull;
-    hash ^= hash >> 32;
-  };
-  mix(inputs);
-  for (size_t n = 0; n < size; n += 8) {
-    uint64_t word = 0;
-    std::memcpy(&word, bytes + n, size - n < 8 ? size - n : 8);
-    mix(word);
-  }
-  return hash;
-}
-
-}  // namespace
 
 Cache::Cache(std::vector<DataField> fields, size_t register_bytes)
-    : fields_(std::move(fields)), register_bytes_(register_bytes) {
+    : fields_(std::move(fields)), register_bytes_(register_bytes), patterns_(make_patterns()) {
   if (fields_.size() > kMostFields) throw std::logic_error("a part with too many data fields");
   for (size_t c = 0; c < fields_.size(); ++c) {
     if (fields_[c].margin >= 0) margins_.push_back(c);
@@ -42,51 +24,27 @@ Cache::Cache(std::vector<DataField> fields, size_t register_bytes)
     }
   }
   if (margins_.size() > 8) throw std::logic_error("a part with too many counters");
-  make_patterns();
 }
 
-// Each bit has a pattern of its own over the sets, and so has its inverse. Of a counter, some set
-// has a low digit of 0, and all are clear of its margin: one that counts in another way shows.
-void Cache::make_patterns() {
-  uint64_t random = 1;
-  const auto next = [&random] {
-    random ^= random << 13;
-    random ^= random >> 7;
-    random ^= random << 17;
-    return static_cast<uint32_t>(random >> 20);
-  };
-  constexpr uint32_t kAll = (1u << kPatterns) - 1;
-  patterns_.assign(kPatterns, std::vector<uint32_t>(fields_.size()));
-  sources_ = {{0, {0, 0, false, true}}, {kAll, {0, 0, true, true}}};
-  for (size_t f = 0; f < fields_.size(); ++f) {
-    const DataField &field = fields_[f];
-    if (field.output) continue;
-    const auto before = sources_;
-    for (;;) {
-      for (auto &set : patterns_) set[f] = 0;
-      for (uint8_t bit = 0; field.mask >> bit & 1; ++bit) {
-        uint32_t pattern = 0;
-        do {
-          pattern = next() & kAll;
-          // a carry from the low byte shows, up in one set and down in another
-          if (field.counter && field.mask > 0xFF && bit < 8) pattern = (pattern | 1) & ~2u;
-        } while (sources_.count(pattern));
-        sources_[pattern] = {static_cast<uint8_t>(f), bit, false, false};
-        sources_[~pattern & kAll] = {static_cast<uint8_t>(f), bit, true, false};
-        for (int s = 0; s < kPatterns; ++s) {
-          patterns_[static_cast<size_t>(s)][f] |= (pattern >> s & 1) << bit;
-        }
-        if (bit == 31) break;
-      }
-      bool clear = true, digit_0 = !field.counter;
-      for (auto &set : patterns_) {
-        digit_0 = digit_0 || (set[f] & 0xF) == 0;
-        clear = clear && (field.margin < 0 || set[f] > static_cast<uint32_t>(field.margin) + 4);
-      }
-      if (clear && digit_0) break;
-      sources_ = before;
-    }
-  }
+// Of a counter, some set has a low digit of 0, and all are clear of its margin: one that counts in
+// another way shows. So does a carry from the low byte, up in one set and down in another.
+Patterns Cache::make_patterns() const {
+  std::vector<uint32_t> masks;
+  for (const DataField &field : fields_) masks.push_back(field.output ? 0 : field.mask);
+  return {kPatterns, masks, [this](size_t f, std::vector<uint32_t> &values) {
+            const DataField &field = fields_[f];
+            if (!field.counter) return true;
+            if (field.mask > 0xFF) {
+              values[0] |= 0xFF;
+              values[1] &= ~0xFFu;
+            }
+            const auto is_clear = [&field](uint32_t value) {
+              return field.margin < 0 || value > static_cast<uint32_t>(field.margin) + 4;
+            };
+            const auto has_digit_0 = [](uint32_t value) { return (value & 0xF) == 0; };
+            return std::all_of(values.begin(), values.end(), is_clear) &&
+                   std::any_of(values.begin(), values.end(), has_digit_0);
+          }};
 }
 
 void *Cache::take(size_t bytes) {
@@ -104,15 +62,18 @@ void *Cache::take(size_t bytes) {
   return found;
 }
 
+std::string Cache::key(const uint8_t *registers, uint64_t counters, uint64_t inputs) const {
+  std::string key(reinterpret_cast<const char *>(registers), register_bytes_);
+  for (const uint64_t word : {counters, inputs})
+    key.append(reinterpret_cast<const char *>(&word), sizeof word);
+  return key;
+}
+
 State *Cache::find(const uint8_t *registers, uint64_t counters, uint64_t inputs,
                    const uint64_t *outputs) {
-  const auto range = states_.equal_range(hash_of(registers, register_bytes_, counters, inputs));
-  for (auto at = range.first; at != range.second; ++at) {
-    State &s = *at->second;
-    if (s.inputs == inputs && s.counters == counters && (!outputs || s.outputs == *outputs) &&
-        !std::memcmp(s.registers(), registers, register_bytes_)) {
-      return &s;
-    }
+  auto [at, end] = states_.equal_range(key(registers, counters, inputs));
+  for (; at != end; ++at) {
+    if (!outputs || at->second->outputs == *outputs) return at->second;
   }
   return nullptr;
 }
@@ -121,22 +82,17 @@ State *Cache::make(const uint8_t *registers, uint64_t counters, uint64_t inputs,
   if (State *known = find(registers, counters, inputs, &outputs)) return known;
   State *state = new (take(sizeof(State) + register_bytes_)) State{inputs, outputs, counters};
   std::memcpy(state->registers(), registers, register_bytes_);
-  states_.emplace(hash_of(registers, register_bytes_, counters, inputs), state);
+  states_.emplace(key(registers, counters, inputs), state);
   return state;
 }
 
-Transition *Cache::add(const Draft &draft, uint64_t key, State *to) {
+Transition *Cache::add(const Draft &draft, uint64_t key) {
   const size_t copies = draft.copies.size() * sizeof(Copy),
                counts = draft.counts.size() * sizeof(Count),
                feedthroughs = draft.feedthroughs.size() * sizeof(Copy);
   char *at = static_cast<char *>(take(sizeof(Transition) + copies + counts + feedthroughs));
-  Transition *t = new (at) Transition{};
+  Transition *t = new (at) Transition(draft.transition);
   t->key = key;
-  t->to = to;
-  t->sources = draft.sources;
-  t->idle = draft.idle;
-  t->near_margin = draft.near_margin;
-  t->observed = draft.observed;
   t->copy_count = static_cast<uint8_t>(draft.copies.size());
   for (const Copy &c : draft.copies) t->output_copy_count += fields_[c.to].output;
   t->feedthrough_count = static_cast<uint8_t>(draft.feedthroughs.size());
@@ -173,36 +129,9 @@ uint32_t Cache::fixed(uint64_t counters, uint64_t inputs) const {
   return found;
 }
 
-// Where the bits of a field came from in a step.
-struct Cache::Origin {
-  std::map<std::pair<uint8_t, uint8_t>, uint32_t> terms;  // by field and rotation: which bits
-  uint32_t keep = 0, value = 0;                           // as in Copy
-  uint32_t constant = 0;                                  // bits that are constants
-};
-
-// By their patterns; false: some bit has none that a bit had before.
-bool Cache::find_origin(size_t f, const std::vector<Observation> &seen, Origin *origin) const {
-  for (int bit = 0; bit < 32 && fields_[f].mask >> bit & 1; ++bit) {
-    uint32_t pattern = 0;
-    for (size_t s = 0; s < seen.size(); ++s) pattern |= (seen[s].after[f] >> bit & 1) << s;
-    const auto found = sources_.find(pattern);
-    if (found == sources_.end()) return false;
-    const Source &source = found->second;
-    const uint32_t here = 1u << bit;
-    if (source.constant) {
-      origin->constant |= here;
-    } else if (source.field == f && source.bit == bit && !source.inverted) {
-      origin->keep |= here;
-    } else {
-      origin->terms[{source.field, static_cast<uint8_t>((bit - source.bit) & 31)}] |= here;
-    }
-    if (source.inverted) origin->value |= here;
-  }
-  return true;
-}
-
 bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool clock,
-                   Draft *t) const {
+                   Draft *draft) const {
+  Transition &t = draft->transition;
   uint32_t counted = 0, copied_from = 0;
   const auto in_all = [&](auto f) { return std::all_of(seen.begin(), seen.end(), f); };
   // Outputs before the registers that they follow.
@@ -219,14 +148,17 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
     if (field.counter && !(fixed >> f & 1) && in_all([&](const Observation &s) {
           return ((s.after[f] - s.before[f]) & field.mask) == by;
         })) {
-      t->counts.push_back({to, static_cast<int8_t>(field.margin), by, field.mask});
+      draft->counts.push_back({to, static_cast<int8_t>(field.margin), by, field.mask});
       counted |= 1u << f;
-      t->near_margin = t->near_margin || field.margin >= 0;
+      t.near_margin = t.near_margin || field.margin >= 0;
       continue;
     }
-    Origin origin;
-    if (!find_origin(f, seen, &origin)) {
-      t->computed = field.margin < 0;
+    std::array<uint32_t, kPatterns> after;
+    std::transform(seen.begin(), seen.end(), after.begin(),
+                   [f](const Observation &s) { return s.after[f]; });
+    Patterns::Origin origin;
+    if (!patterns_.find_origin(f, field.mask, after, &origin)) {
+      draft->computed = field.margin < 0;
       return false;
     }
     uint32_t from_inputs = 0;  // bits that come from data inputs
@@ -238,20 +170,20 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
     });
     if (same && !feedthrough) continue;
     if (origin.constant && !feedthrough)
-      t->copies.push_back({to, 0, 0, ~origin.constant, origin.value & origin.constant, 0});
+      draft->copies.push_back({to, 0, 0, ~origin.constant, origin.inverted & origin.constant, 0});
     for (const auto &[place, mask] : origin.terms) {
-      const auto [from, left] = place;
+      const auto from = static_cast<uint8_t>(place.first);
       if (feedthrough && !fields_[from].input) continue;
       copied_from |= 1u << from;
-      (feedthrough ? t->feedthroughs : t->copies)
-          .push_back({to, from, left, ~mask, origin.value & mask, mask});
+      (feedthrough ? draft->feedthroughs : draft->copies)
+          .push_back({to, from, place.second, ~mask, origin.inverted & mask, mask});
     }
-    if (field.margin >= 0 && (origin.keep || !origin.terms.empty())) t->near_margin = true;
+    if (field.margin >= 0 && (origin.keep || !origin.terms.empty())) t.near_margin = true;
   }
   for (size_t f = 0; f < fields_.size(); ++f) {
-    if (fields_[f].input && copied_from >> f & 1) t->sources |= 1u << f;
+    if (fields_[f].input && copied_from >> f & 1) t.sources |= 1u << f;
   }
-  t->idle = clock && (copied_from & counted) == 0;
+  t.idle = clock && (copied_from & counted) == 0;
   return true;
 }
 

@@ -16,10 +16,13 @@
 // has its own pattern over the sets, which shows where it goes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace mmcs {
@@ -52,16 +55,6 @@ struct Count {
   uint8_t field;
   int8_t margin;  // the field's
   uint32_t by, mask;
-};
-
-// A transition before its place in memory is known.
-struct Draft {
-  bool idle = false, near_margin = false, observed = true;
-  bool computed = false;  // a field became what no other one was: there is no such transition
-  uint32_t sources = 0;
-  std::vector<Copy> copies;
-  std::vector<Count> counts;
-  std::vector<Copy> feedthroughs;
 };
 
 // A hit touches little memory: copies and counts lie right behind the transition.
@@ -105,6 +98,15 @@ struct Transition {
   }
 };
 
+// A transition before its place in memory is known.
+struct Draft {
+  Transition transition{};
+  bool computed = false;  // a field became what no other one was: there is no such transition
+  std::vector<Copy> copies;
+  std::vector<Count> counts;
+  std::vector<Copy> feedthroughs;
+};
+
 struct State {
   uint64_t inputs, outputs;  // of control
   uint64_t counters;  // a byte each counter with a margin: its value, or one above the margin
@@ -125,6 +127,98 @@ struct Observation {
       after[kMostFields];  // data: inputs alone changed
 };
 
+// Where data come from in a step that is made with several sets of values: each bit has a pattern
+// of its own over the sets, and its inverse the inverse pattern.
+class Patterns {
+ public:
+  using Place = uint16_t;
+  struct Bit {
+    Place place;
+    uint8_t bit;
+    bool inverted, constant;  // a constant: 0, inverted 1
+  };
+  struct Origin {                                         // of the bits of a place
+    std::map<std::pair<Place, uint8_t>, uint32_t> terms;  // by place and rotation: which bits
+    uint32_t keep = 0, inverted = 0, constant = 0;        // bits; the second of all three kinds
+  };
+
+  // masks: the bits of each place that have a pattern. shape(place, values): changes values that
+  // were drawn, one of each set; false: others are to be drawn.
+  template <class F>
+  Patterns(size_t sets, std::vector<uint32_t> of, F shape)
+      : masks(std::move(of)), sets_(sets), values_(masks.size(), std::vector<uint32_t>(sets)) {
+    bits_ = {{0, {0, 0, false, true}}, {inverse(0), {0, 0, true, true}}};
+    uint64_t random = 1;
+    for (size_t place = 0; place < masks.size(); ++place) {
+      do {
+        for (uint32_t &value : values_[place]) {
+          random ^= random << 13;
+          random ^= random >> 7;
+          random ^= random << 17;
+          value = static_cast<uint32_t>(random >> 20) & masks[place];
+        }
+      } while (masks[place] && !(shape(place, values_[place]) && add(place)));
+    }
+  }
+  uint32_t value(size_t place, size_t set) const { return values_[place][set]; }
+
+  // Of a bit of what became of a place: where it was before; null: nowhere.
+  template <class Values>
+  const Bit *find(const Values &values, int bit) const {
+    const auto found = bits_.find(pattern(values, bit));
+    return found == bits_.end() ? nullptr : &found->second;
+  }
+  // Of these bits of a place; false: one was nowhere.
+  template <class Values>
+  bool find_origin(size_t place, uint32_t mask, const Values &values, Origin *origin) const {
+    for (; mask; mask &= mask - 1) {
+      const int bit = __builtin_ctz(mask);
+      const uint32_t here = 1u << bit;
+      const Bit *from = find(values, bit);
+      if (!from) return false;
+      if (from->constant)
+        origin->constant |= here;
+      else if (from->place == place && from->bit == bit && !from->inverted)
+        origin->keep |= here;
+      else
+        origin->terms[{from->place, static_cast<uint8_t>((bit - from->bit) & 31)}] |= here;
+      if (from->inverted) origin->inverted |= here;
+    }
+    return true;
+  }
+
+  const std::vector<uint32_t> masks;
+
+ private:
+  uint32_t inverse(uint32_t pattern) const { return ~pattern & ((1u << sets_) - 1); }
+  template <class Values>
+  uint32_t pattern(const Values &values, int bit) const {
+    uint32_t found = 0;
+    for (size_t set = 0; set < sets_; ++set) found |= (values[set] >> bit & 1) << set;
+    return found;
+  }
+  // False: bits of the place have patterns that there are already.
+  bool add(size_t place) {
+    std::map<uint32_t, Bit> own;
+    for (uint32_t rest = masks[place]; rest; rest &= rest - 1) {
+      const auto bit = static_cast<uint8_t>(__builtin_ctz(rest));
+      const uint32_t one = pattern(values_[place], bit);
+      own[one] = {static_cast<Place>(place), bit, false, false};
+      own[inverse(one)] = {static_cast<Place>(place), bit, true, false};
+    }
+    const auto is_known = [this](const auto &known) { return bits_.count(known.first) != 0; };
+    if (own.size() != 2 * static_cast<size_t>(__builtin_popcount(masks[place])) ||
+        std::any_of(own.begin(), own.end(), is_known))
+      return false;
+    bits_.insert(own.begin(), own.end());
+    return true;
+  }
+
+  const size_t sets_;
+  std::vector<std::vector<uint32_t>> values_;  // of each place
+  std::unordered_map<uint32_t, Bit> bits_;     // by pattern
+};
+
 class Cache {
  public:
   Cache(std::vector<DataField> fields, size_t register_bytes);
@@ -133,10 +227,10 @@ class Cache {
   State *find(const uint8_t *registers, uint64_t counters, uint64_t inputs,
               const uint64_t *outputs);
   State *make(const uint8_t *registers, uint64_t counters, uint64_t inputs, uint64_t outputs);
-  Transition *add(const Draft &draft, uint64_t key, State *to);
+  Transition *add(const Draft &draft, uint64_t key);
   // The copies and counts of a transition, from what became of the patterns; false: there is none.
   // fixed: fields without a pattern, by bit.
-  bool derive(const std::vector<Observation> &seen, uint32_t fixed, bool clock, Draft *t) const;
+  bool derive(const std::vector<Observation> &seen, uint32_t fixed, bool clock, Draft *draft) const;
   // The values of the fields that may decide.
   uint64_t values(const uint32_t *fields) const {
     uint64_t all = 0;
@@ -145,7 +239,7 @@ class Cache {
   }
   const std::vector<size_t> &deciding() const { return deciding_; }
   uint32_t pattern(int set, size_t field) const {
-    return patterns_[static_cast<size_t>(set)][field];
+    return patterns_.value(field, static_cast<size_t>(set));
   }
 
   // The counters' share of the key.
@@ -171,26 +265,20 @@ class Cache {
 
  private:
   static constexpr size_t kFull = size_t{4} << 20;
-  struct Source {
-    uint8_t field, bit;
-    bool inverted, constant;
-  };
-  struct Origin;
-  void make_patterns();
-  bool find_origin(size_t f, const std::vector<Observation> &seen, Origin *origin) const;
+  Patterns make_patterns() const;
 
   const std::vector<DataField> fields_;
   const size_t register_bytes_;
   std::vector<size_t> margins_, deciding_;  // fields with a margin; that decide
-  std::vector<std::vector<uint32_t>> patterns_;
-  std::unordered_map<uint32_t, Source> sources_;  // by the pattern of a bit
+  const Patterns patterns_;
   // Memory that is given back as a whole.
   void *take(size_t bytes);
   static constexpr size_t kLine = 64, kChunk = size_t{1} << 16;
   std::vector<std::unique_ptr<char[]>> chunks_;
   char *free_ = nullptr;
   size_t room_ = 0;
-  std::unordered_multimap<uint64_t, State *> states_;
+  std::string key(const uint8_t *registers, uint64_t counters, uint64_t inputs) const;
+  std::unordered_multimap<std::string, State *> states_;
   size_t bytes_ = 0;
 };
 

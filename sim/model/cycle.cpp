@@ -15,29 +15,12 @@ static bool worth_learning(unsigned sights) {
   return sights >= 4 && (sights & (sights - 1)) == 0;
 }
 
-Patterns::Patterns(std::vector<uint32_t> of) : masks(std::move(of)), sets(masks.size()) {
-  uint32_t random = 1;
-  for (size_t place = 0; place < masks.size(); ++place) {
-    for (uint32_t rest = masks[place]; rest; rest &= rest - 1) {
-      const auto bit = static_cast<uint8_t>(__builtin_ctz(rest));
-      uint32_t pattern = 0;
-      while (constant(pattern) || origins[pattern].known) {
-        random = random * 1664525 + 1013904223;
-        pattern = random >> (32 - kSets);
-      }
-      origins[pattern] = {static_cast<Place>(place), bit, true, false};
-      origins[pattern ^ ((1u << kSets) - 1)] = {static_cast<Place>(place), bit, true, true};
-      for (size_t set = 0; set < kSets; ++set) sets[place][set] |= (pattern >> set & 1) << bit;
-    }
-  }
-}
-
 Rack::Cycles::Cycles(Rack &rack)
     : rack_(rack),
       data_(rack.data_.data()),
       request_(rack.data_.size() - 2),
       reply_(request_ + 1),
-      patterns_(masks()),
+      patterns_(kSets, masks(), [](size_t, const auto &) { return true; }),
       pending_(rack.parts_.size()),
       before_(rack.parts_.size()) {}
 
@@ -76,11 +59,6 @@ bool Rack::Cycles::fits(const Trace &trace) const {
   for (const Trace::Condition &c : trace.conditions) {
     if ((data_[c.place] & c.mask) != c.value) return false;
   }
-  return true;
-}
-
-// Whether its counters stay clear of their margin.
-bool Rack::Cycles::has_room(const Trace &trace) const {
   for (const Trace::Room &r : trace.rooms) {
     if (data_[r.place] < r.low || data_[r.place] > r.high) return false;
   }
@@ -108,11 +86,11 @@ Trace *Rack::Cycles::find(const BusRequest &q) {
   data_[request_] = q.data & 0xFFFF;
   Known &known = known_[states(key)];
   for (Trace *trace = known.trace; trace; trace = trace->next) {
-    if (fits(*trace)) return has_room(*trace) ? trace : nullptr;
+    if (fits(*trace)) return trace;
   }
   if (!worth_learning(++known.sights)) return nullptr;
   Trace *learned = learn(q, key);
-  return learned && has_room(*learned) ? learned : nullptr;
+  return learned && fits(*learned) ? learned : nullptr;
 }
 
 void Rack::Cycles::values(const Trace &trace) {

@@ -3,7 +3,6 @@
 //
 //   Trace          a cycle as one step: the states it leads from and to, what becomes of data
 //   Rack::Cycles   all traces of a machine, by request and states (cycle.cpp)
-//   Patterns       of the bits of data over many sets of values, as a cache has them
 //   Tracer         works a trace out (cycle_trace.cpp, cycle_data.h)
 //
 // A trace is worked out clock by clock, from the transitions that the caches know, on many values
@@ -14,7 +13,6 @@
 // such a cycle is made clock by clock, as all are in a machine with faults.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -24,7 +22,8 @@
 namespace mmcs {
 
 // A place is a data field of a part, half a word of nets, the request's or the reply's data.
-using Place = uint16_t;
+using Place = Patterns::Place;
+constexpr size_t kSets = 18;  // of values: few patterns of so many bits are a bit's by chance
 
 // Bits that a place had when the cycle began, rotated.
 struct Term {
@@ -35,22 +34,6 @@ struct Term {
   uint32_t bits(const uint32_t *data) const {
     return (data[place] << left | data[place] >> (-left & 31)) & mask;
   }
-};
-
-struct Patterns {
-  static constexpr size_t kSets = 18;  // few patterns of so many bits are a bit's by chance
-  struct Origin {                      // a bit of data, or its inverse
-    Place place;
-    uint8_t bit;
-    bool known, inverted;
-  };
-  static bool constant(uint32_t pattern) { return pattern == 0 || pattern == (1u << kSets) - 1; }
-  // masks: the bits of each place that have a pattern.
-  explicit Patterns(std::vector<uint32_t> masks);
-
-  const std::vector<uint32_t> masks;
-  std::vector<std::array<uint32_t, kSets>> sets;                   // values of each place
-  std::vector<Origin> origins = std::vector<Origin>(1u << kSets);  // by pattern
 };
 
 struct Trace {
@@ -127,7 +110,6 @@ class Rack::Cycles {
   Trace *learn(const BusRequest &request, uint64_t key);
   uint64_t states(uint64_t key);
   bool fits(const Trace &trace) const;
-  bool has_room(const Trace &trace) const;
   void values(const Trace &trace);
   void move(const Trace &trace);
   // Parts that have no steps (cycle_follow.cpp).

@@ -22,7 +22,7 @@ inline uint32_t low_bits(int width) {
   return width >= 32 ? ~0u : (1u << width) - 1;
 }
 
-struct Values : std::array<uint32_t, Patterns::kSets + 1> {
+struct Values : std::array<uint32_t, kSets + 1> {
   static Values of(uint32_t constant) {
     Values values;
     values.fill(constant);
@@ -33,12 +33,6 @@ struct Values : std::array<uint32_t, Patterns::kSets + 1> {
   uint32_t varying() const {
     uint32_t found = 0;
     for (const uint32_t value : *this) found |= value ^ front();
-    return found;
-  }
-  // The pattern of a bit.
-  uint32_t pattern(int bit) const {
-    uint32_t found = 0;
-    for (size_t set = 0; set < Patterns::kSets; ++set) found |= ((*this)[set] >> bit & 1) << set;
     return found;
   }
   // These bits, of other values.
@@ -65,8 +59,8 @@ class CycleData {
   Values start(size_t place) const {
     const uint32_t mask = patterns_.masks[place], actual = data_[place];
     Values values;
-    for (size_t set = 0; set < Patterns::kSets; ++set)
-      values[set] = mask ? patterns_.sets[place][set] : actual + (set & 1);
+    for (size_t set = 0; set < kSets; ++set)
+      values[set] = mask ? patterns_.value(place, set) : actual + (set & 1);
     values.back() = actual;
     return values;
   }
@@ -110,12 +104,13 @@ class CycleData {
   // The values decide: all holds for the actual one.
   uint32_t decided(const Values &values) {
     for (uint32_t rest = values.varying(); rest; rest &= rest - 1) {
-      const Patterns::Origin &from = origin(values.pattern(__builtin_ctz(rest)));
-      const auto same = [&from](const Trace::Condition &c) { return c.place == from.place; };
+      const Patterns::Bit *from = patterns_.find(values, __builtin_ctz(rest));
+      if (!from || from->constant) throw NoTrace{};
+      const auto same = [from](const Trace::Condition &c) { return c.place == from->place; };
       auto at = std::find_if(conditions.begin(), conditions.end(), same);
-      if (at == conditions.end()) at = conditions.insert(at, {from.place, 0, 0});
-      at->mask |= 1u << from.bit;
-      at->value = data_[from.place] & at->mask;
+      if (at == conditions.end()) at = conditions.insert(at, {from->place, 0, 0});
+      at->mask |= 1u << from->bit;
+      at->value = data_[from->place] & at->mask;
     }
     return values.actual();
   }
@@ -126,33 +121,20 @@ class CycleData {
   // What a place has then, by where its bits come from; as a constant if it can be one.
   void add_move(size_t place, const Values &now, bool of_event, Trace *trace) const {
     const uint32_t varying = now.varying();
-    Trace::Move move{static_cast<Place>(place), 0, 0, now.front() & ~varying};
-    std::map<std::pair<Place, uint16_t>, uint32_t> terms;  // by place and rotation: which bits
-    for (uint32_t rest = varying; rest; rest &= rest - 1) {
-      const int bit = __builtin_ctz(rest);
-      const uint32_t here = 1u << bit;
-      const Patterns::Origin &from = origin(now.pattern(bit));
-      if (from.inverted) move.constant |= here;
-      if (from.place == place && from.bit == bit)
-        move.keep |= here;
-      else
-        terms[{from.place, static_cast<uint16_t>((bit - from.bit) & 31)}] |= here;
-    }
-    for (const auto &[from, mask] : terms) trace->terms.push_back({from.first, from.second, mask});
-    move.terms = static_cast<uint16_t>(terms.size());
-    if (terms.empty() && !of_event)
-      trace->constants.push_back({move.to, move.keep, move.constant});
+    Patterns::Origin origin;
+    if (!patterns_.find_origin(place, varying, now, &origin) || origin.constant) throw NoTrace{};
+    const uint32_t constant = (now.front() & ~varying) | origin.inverted;
+    const auto to = static_cast<Place>(place);
+    const auto terms = static_cast<uint16_t>(origin.terms.size());
+    for (const auto &[from, mask] : origin.terms)
+      trace->terms.push_back({from.first, from.second, mask});
+    if (terms == 0 && !of_event)
+      trace->constants.push_back({to, origin.keep, constant});
     else
-      trace->moves.push_back(move);
+      trace->moves.push_back({to, terms, origin.keep, constant});
   }
 
  private:
-  const Patterns::Origin &origin(uint32_t pattern) const {
-    const Patterns::Origin &found = patterns_.origins[pattern];
-    if (!found.known) throw NoTrace{};
-    return found;
-  }
-
   const uint32_t *const data_;
   const Patterns &patterns_;
   std::map<size_t, Entry> entries_;  // of places that were read or written

@@ -145,11 +145,11 @@ def boards_text(netlist: Netlist) -> str:
                        if of_bits != "Kind::kControl"]  # fmt: skip
             least = -1 if margin is None else margin
             registers.append((path, last, var.width, board.part(i.path), kind, least))
-        ports, own = board.ports()
+        ports, _ = board.ports()
         parts = [(part.path, part.module.name, port_rows(board, part, rows))
                  for part, rows in zip(board.parts, ports, strict=True)]  # fmt: skip
         decides = [(path, net.strip("!"), part, net[0] != "!") for path, net, part in board.decides]
-        tables.append((name, registers, slices, parts, list(own.items()), decides))
+        tables.append((name, registers, slices, parts, decides))
     return f"static const std::vector<BoardTable> kBoards = {cpp(tables)};\n"
 
 

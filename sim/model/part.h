@@ -71,7 +71,6 @@ class Part {
   // Brings the model up to the state: its registers can be read, or written before written().
   void load();
   void written(int64_t t);
-  uint64_t read(const RegisterPlace &place) const;
   // Takes state and data fields from the model, which load() brought up to them.
   void store();
 
@@ -163,20 +162,11 @@ class Part {
   bool put_data(int field, uint32_t value, int64_t t) {
     if (fields_[field] == value) return false;
     const uint32_t bit = 1u << field;
-    if (now_.idle && now_.state->on_clock->sources & bit) {
+    if (!now_.idle || now_.state->on_clock->sources & bit) {
       catch_up(t);
       now_.idle = false;
-    } else if (!now_.idle) {
-      catch_up(t);
     }
     fields_[field] = value;
-    if (now_.state && now_.inputs == now_.state->inputs) {
-      const Transition *on_data = now_.state->on_data, *clock = now_.state->on_clock;
-      if (on_data && on_data->to && clock && !((on_data->sources | clock->sources) & bit)) {
-        model_current_ = false;
-        return false;
-      }
-    }
     now_.changed |= bit;
     return true;
   }

@@ -105,7 +105,7 @@ Transition *Part::learn(bool clock, uint64_t key, bool is_case) {
   model_current_ = false;
   Draft draft;
   const bool found = same && cache->derive(seen, fixed, clock, &draft);
-  Transition *t = cache->add(found ? draft : Draft{}, key, nullptr);
+  Transition *t = cache->add(found ? draft : Draft{}, key);
   t->is_case = is_case;
   if (!found) {
     t->decided = !is_case && !draft.computed && !cache->deciding().empty();
@@ -143,10 +143,6 @@ void Part::written(int64_t t) {
   now_.last = t;
   now_.due = t + 1;
   now_.idle = false;
-}
-
-uint64_t Part::read(const RegisterPlace &place) const {
-  return model_current_ ? place.net.get() : model.read(place, now_.state->registers(), fields_);
 }
 
 }  // namespace mmcs

@@ -193,17 +193,6 @@ uint64_t PartModel::read_outputs(uint32_t *fields) const {
   return outputs;
 }
 
-uint64_t PartModel::read(const RegisterPlace &place, const uint8_t *registers,
-                         const uint32_t *fields) const {
-  if (place.field != kNoField) return fields[place.field];
-  uint64_t value = 0;
-  std::memcpy(&value, registers + place.at, static_cast<size_t>(place.net.bytes));
-  for (const Slice &s : slices_) {
-    if (s.within == &place) value |= static_cast<uint64_t>(fields[s.field]) << s.lsb;
-  }
-  return value;
-}
-
 bool PartModel::data_decide() const {
   bool found = false;
   for (const auto &[net, level] : deciding_) found = found || (net.get() != 0) == level;

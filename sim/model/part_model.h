@@ -69,8 +69,6 @@ class PartModel {
   uint64_t inputs() const { return inputs_; }
   // Data decide what it does now.
   bool data_decide() const;
-  // A register, of a part in this state.
-  uint64_t read(const RegisterPlace &place, const uint8_t *registers, const uint32_t *fields) const;
 
   // A fault holds bits of a register; none: it is free.
   void hold(const RegisterPlace &place, uint64_t zeros, uint64_t ones) {

@@ -76,10 +76,6 @@ Pins::Pins(Ports &ports, int cards) : ports_(ports), cards_(cards) {
   encoders_.resize(axes);
 }
 
-uint64_t Pins::standing(Pin pin) const {
-  return faults_[static_cast<size_t>(pin) * 2 * static_cast<size_t>(cards_)];
-}
-
 uint64_t &Pins::standing(Pin pin, int index) {
   const auto axes = 2 * static_cast<size_t>(cards_);
   return faults_[static_cast<size_t>(pin) * axes + static_cast<size_t>(index)];
@@ -95,9 +91,9 @@ void Pins::set(Pin pin, int index, unsigned value) {
 }
 
 void Pins::had_cycle(unsigned address, unsigned am, unsigned data) {
-  driven_[kVmeA] = free_[kVmeA] = levels_[kVmeA][0] = address >> 1 & 0x7FFF;
-  driven_[kVmeAm] = free_[kVmeAm] = levels_[kVmeAm][0] = am & 63;
-  driven_[kVmeD] = free_[kVmeD] = levels_[kVmeD][0] = data & 0xFFFF;
+  driven_[kVmeA] = levels_[kVmeA][0] = address >> 1 & 0x7FFF;
+  driven_[kVmeAm] = levels_[kVmeAm][0] = am & 63;
+  driven_[kVmeD] = levels_[kVmeD][0] = data & 0xFFFF;
 }
 
 // Lines of the VME bus.
@@ -105,7 +101,7 @@ void Pins::hold(Port port, uint64_t low, uint64_t high) {
   low_[port] = low;
   high_[port] = high & ~low;
   if (low | high) ports_.disturb();
-  put(port, 0, kPortFields[port], free_[port]);
+  ports_.put(port, 0, kPortFields[port], through(port, levels_[port][0]));
 }
 
 void Pins::put(int port, int lsb, int width, uint64_t value) {
@@ -113,16 +109,12 @@ void Pins::put(int port, int lsb, int width, uint64_t value) {
   for (; 0 < field && field < width; lsb += field, width -= field, value >>= field) {
     put(port, lsb, field, value);
   }
-  if (port < kVmeSysreset) {
-    free_[port] = value;
-    value = through(port, value);
-  }
   uint64_t &word = levels_[port][static_cast<size_t>(lsb / 64)];
   const uint64_t mask = ((uint64_t{1} << width) - 1) << lsb % 64;
   const uint64_t after = (word & ~mask) | (value << lsb % 64 & mask);
   if (after == word) return;
   word = after;
-  ports_.put(static_cast<Port>(port), lsb, width, value);
+  ports_.put(static_cast<Port>(port), lsb, width, through(port, value));
 }
 
 void Pins::fault(Pin pin, int index, uint64_t value) {
@@ -184,17 +176,15 @@ void Pins::apply_fault(Pin pin, int index) {
 }
 
 void Pins::apply() {
-  std::vector<Change> now;
-  now.swap(changes_);
-  for (const Change &c : now) {
+  for (size_t n = 0; n < changes_.size(); ++n) {
+    const Change c = changes_[n];
     if (c.port != kPorts) {
       put(c.port, c.at, c.width, c.value);
     } else {
       fault(c.pin, c.at, c.value);
     }
   }
-  now.clear();
-  if (changes_.empty()) changes_.swap(now);  // its memory is used again
+  changes_.clear();
 }
 
 void Pins::power_on() {
@@ -211,13 +201,7 @@ void Pins::power_on() {
 
 std::vector<uint64_t> Pins::save() const {
   std::vector<uint64_t> out;
-  for (int port = 0; port < kPorts; ++port) {
-    if (port < kVmeSysreset) {
-      out.push_back(free_[port]);
-    } else {
-      out.insert(out.end(), levels_[port].begin(), levels_[port].end());
-    }
-  }
+  for (const auto &levels : levels_) out.insert(out.end(), levels.begin(), levels.end());
   out.insert(out.end(), std::begin(driven_), std::end(driven_));
   for (const auto *values : {&encoders_, &codes_, &faults_})
     out.insert(out.end(), values->begin(), values->end());
@@ -237,16 +221,9 @@ void Pins::restore(const std::vector<uint64_t> &state) {
   }
   auto at = state.begin();
   for (int port = 0; port < kPorts; ++port) {
-    for (size_t word = 0; word < levels_[port].size(); ++word) {
-      const uint64_t value = *at++;
-      if (port < kVmeSysreset) {
-        put(port, 0, kPortFields[port], value);
-        continue;
-      }
-      for (int half = 0; half < 2; ++half) {
-        put(port, static_cast<int>(64 * word) + 32 * half, 32, value >> 32 * half & 0xFFFFFFFF);
-      }
-    }
+    const int width = port < kVmeSysreset ? kPortFields[port] : 64;
+    for (size_t word = 0; word < levels_[port].size(); ++word)
+      put(port, static_cast<int>(64 * word), width, *at++);
   }
   for (uint64_t &value : driven_) value = *at++;
   const std::vector<uint64_t> before = faults_;

@@ -175,8 +175,7 @@ class Pins {
   void put(int port, int lsb, int width, uint64_t value);
   void fault(Pin pin, int index, uint64_t value);
   void apply_fault(Pin pin, int index);
-  uint64_t &standing(Pin pin, int index);
-  uint64_t standing(Pin pin) const;
+  uint64_t &standing(Pin pin, int index = 0);
   void hold(Port port, uint64_t low, uint64_t high);
   uint64_t through(int port, uint64_t value) const {
     return port < kVmeSysreset ? (value & ~low_[port]) | high_[port] : value;
@@ -187,10 +186,9 @@ class Pins {
   Pins *also_ = nullptr;
   std::vector<Change> changes_;
   uint64_t driven_[kVmeSysreset] = {};  // VME ports, with changes that are on their way
-  uint64_t free_[kVmeSysreset] = {};    // as they are if no line is held
   uint64_t low_[kVmeSysreset] = {}, high_[kVmeSysreset] = {};  // lines that are held
   std::vector<uint64_t> encoders_;        // of each axis: as set_encoder() set them last
-  std::vector<uint64_t> levels_[kPorts];  // as they are, 64 bits a word
+  std::vector<uint64_t> levels_[kPorts];  // as they are if no line is held, 64 bits a word
   std::vector<uint64_t> faults_;          // by pin, then index: as they are
   bool faulty_ = false;                   // any of them
   std::vector<uint64_t> codes_;           // of each axis: the code of its A/D when it stuck

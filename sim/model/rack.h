@@ -102,8 +102,6 @@ class Rack : public Model {
   void wire_outputs(const std::vector<char> &read);
   void wire_card(std::vector<char> &read);
   void ignore_unselected();
-  int net_of(size_t board, const char *port);
-  bool is_output(size_t board, int net);
   template <class F>
   void for_ports(size_t board, int net, F f) {
     const size_t end = board + 1 < board_begin_.size() ? board_begin_[board + 1] : parts_.size();

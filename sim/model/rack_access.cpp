@@ -99,7 +99,8 @@ uint64_t Rack::read(int reg) {
   Part *part;
   const RegisterPlace &place = find(reg, &part);
   if (!stopped_) part->catch_up(clock_);
-  return part->read(place);
+  part->load();
+  return place.net.get();
 }
 
 void Rack::upset(int reg, uint64_t bits) {
@@ -137,10 +138,12 @@ Rack::Watched Rack::find_watched(const std::string &name) {
       if (path == board + table.parts[chip].path + ".")
         return {part, part->model.board->port(port)};
     }
-    const auto is_port = [&port](const auto &row) { return port == row.port; };
-    const auto row = std::find_if(table.nets.begin(), table.nets.end(), is_port);
-    if (path != board || row == table.nets.end()) return {};
-    for_ports(n, row->net, [&](Part &part, PartPort &at) {
+    const auto is_port = [&](const PinInfo &pin) {
+      return static_cast<size_t>(pin.board) == n && port == pin.port;
+    };
+    const auto pin = std::find_if(kWires.pins.begin(), kWires.pins.end(), is_port);
+    if (path != board || pin == kWires.pins.end()) return {};
+    for_ports(n, pin->inside, [&](Part &part, PartPort &at) {
       if ((!found.net || at.output) && !at.row->selected) found = {&part, at.net};
     });
   }

@@ -73,22 +73,6 @@ void Rack::ignore_unselected() {
   }
 }
 
-// The net of a board's port.
-int Rack::net_of(size_t board, const char *name) {
-  const BoardTable &table = board_table(kWires.boards[board].module);
-  for (const NetRow &row : table.nets) {
-    if (std::strcmp(row.port, name) == 0) return row.net;
-  }
-  throw std::runtime_error(std::string("a board has no port ") + name);
-}
-
-// Whether some part of the board drives this net of it.
-bool Rack::is_output(size_t board, int net) {
-  bool found = false;
-  for_ports(board, net, [&](Part &, PartPort &port) { found = found || port.output; });
-  return found;
-}
-
 // Every port of every board on its net. read: of each net, whether a board or the glue reads it.
 void Rack::wire() {
   std::vector<char> read(kWires.nets.size());
@@ -96,9 +80,7 @@ void Rack::wire() {
   pc_bus_.has_net.resize(kWires.nets.size());
   pc_bus_.cards.resize(static_cast<size_t>(kWires.cards));
   pc_bus_.dips.resize(static_cast<size_t>(kWires.cards));
-  for (const PinInfo &info : kWires.pins) {
-    if (std::strcmp(info.port, "clk_i") != 0) wire_pin(info, read);
-  }
+  for (const PinInfo &info : kWires.pins) wire_pin(info, read);
   if (own_card_) wire_card(read);
   wire_glue(read);
   for (int port = 0; port < kPorts; ++port) wire_input(static_cast<Port>(port));
@@ -110,9 +92,8 @@ void Rack::wire() {
 void Rack::wire_pin(const PinInfo &info, std::vector<char> &read) {
   const size_t board = static_cast<size_t>(info.board), net = static_cast<size_t>(info.net);
   const auto is = [&info](const char *name) { return std::strcmp(info.port, name) == 0; };
-  const bool output = is_output(board, net_of(board, info.port));
-  for_ports(board, net_of(board, info.port), [&](Part &part, PartPort &port) {
-    if (port.output != output) return;  // a part of the board reads what the board drives
+  for_ports(board, info.inside, [&](Part &part, PartPort &port) {
+    if (port.output != info.out) return;  // a part of the board reads what the board drives
     auto wire = std::make_unique<Wire>(
         Wire{&part, &port, info.net, info.lsb + port.row->lsb, port.width, info.board, info.port});
     if (port.output) {

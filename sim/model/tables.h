@@ -44,17 +44,11 @@ struct DecideRow {
   int part;
   bool level;
 };
-// A port of the board: its net.
-struct NetRow {
-  const char *port;
-  int net;
-};
 struct BoardTable {
   const char *module;
   std::vector<RegisterRow> registers;
   std::vector<SliceRow> slices;
   std::vector<PartRow> parts;
-  std::vector<NetRow> nets;
   std::vector<DecideRow> decides;
 };
 

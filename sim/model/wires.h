@@ -18,7 +18,9 @@ struct BoardInfo {
 struct PinInfo {
   int board;
   const char *port;
+  int inside;  // its net on the board (PortRow)
   int net, lsb, width;
+  bool out;
 };
 struct LogicInfo {  // nets that an expression of mmcs.sv reads, and those that it drives
   std::vector<int> sources, targets;

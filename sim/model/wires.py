@@ -5,6 +5,7 @@ That logic is Verilated with empty boards around it (glue.cpp).
 """
 
 from netlist import Module, Netlist, NetlistError, cpp, reads, walk, writes
+from parts import Board
 
 
 def constant(node: dict) -> int:
@@ -31,7 +32,9 @@ class Wires:
                       if not all(t.startswith("unused") for t in targets)]  # fmt: skip
         self.pins = [(number, port, *self._place(path, port, expr), module.vars[port])
                      for number, (path, module, pins) in enumerate(self.boards)
-                     for port, expr in pins.items() if expr is not None]  # fmt: skip
+                     for port, expr in pins.items()
+                     if expr is not None and port != "clk_i"]  # fmt: skip
+        self.inside = {m.name: Board(netlist, m).ports()[1] for m in self.modules()}
 
     def _logic(self, block: dict) -> tuple[set[str], set[str]]:
         """Nets that an always_comb or assign reads, and those that it drives."""
@@ -69,7 +72,18 @@ class Wires:
             self.cards,
             [(name, widths[name]) for name in self.nets],
             [(path, module.name) for path, module, _ in self.boards],
-            [(board, port, self.nets[net], lsb, v.width) for board, port, net, lsb, v in self.pins],
+            [
+                (
+                    board,
+                    port,
+                    self.inside[self.boards[board][1].name][port],
+                    self.nets[net],
+                    lsb,
+                    v.width,
+                    v.direction == "OUTPUT",
+                )
+                for board, port, net, lsb, v in self.pins
+            ],
             [(numbers(sources), numbers(targets)) for sources, targets in self.logic],
         )
         return f'#include "wires.h"\n\nconst mmcs::WireTable mmcs::kWires = {cpp(rows)};\n'
