@@ -7,22 +7,17 @@ import { test } from "node:test";
 
 import "./libraries.mjs";
 
-const { sector } = await import("../arm.js");
 const { askedNumber, parseInteger, parseNumber, pause } = await import("../dom.js");
 const { readRecord, setupOf } = await import("../engine/record.js");
 const { tomlAnswer } = await import("../labs.js");
 const { style } = await import("../lanes.js");
 const { Link } = await import("../link.js");
 const { Machine } = await import("../machine.js");
-const { errorWords, gainsOf, setpointScale } = await import("../params.js");
 const { csvHead, csvLines, readRecording } = await import("../recording.js");
-const { fieldsText, offsetOf } = await import("../registers.js");
-const { REGISTERS } = await import("../registers_table.js");
 const { decode, envelope, History } = await import("../samples.js");
-const { causeOf, panicCauses } = await import("../status.js");
+const { causeOf } = await import("../status.js");
 const { findTrigger } = await import("../trigger.js");
-const { Units } = await import("../units.js");
-const { duration, Net, tickStep, Waves } = await import("../wave_data.js");
+const { duration, Net, tickStep } = await import("../wave_data.js");
 
 const FIELDS = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint",
   "demand", "current"];
@@ -61,16 +56,6 @@ function ramp(rows, step = 0.001) {
   history.append(message(Array.from({ length: rows }, (_, n) => row(n * step, n * n))));
   return history;
 }
-
-test("a joint's sector goes from stop to stop about its axis; without stops there is none", () => {
-  const links = [{ alpha: 1, a: 0.5, d: 0.1, theta0: 0.3 }];
-  const turn = ([x, y]) => Math.atan2(y, x).toFixed(6);
-  const [centre, ...arc] = sector(links, [0.2], 0, { stop_lo: -1, stop_hi: 2 });
-  assert.deepEqual(centre, [0, 0, 0.1]);
-  assert.deepEqual([arc[0], arc.at(-2), arc.at(-1)].map(turn), ["-0.700000", "2.300000",
-    "0.500000"]);
-  assert.deepEqual(sector(links, [0], 0, { stop_lo: 0, stop_hi: 0 }), []);
-});
 
 test("samples are decoded, kept in order and found by time", () => {
   const history = ramp(20_000);
@@ -146,16 +131,6 @@ test("what is saved stays as it was when saving began", () => {
   assert.equal(pieces[0].ints.length, 8092 * history.rowInts);
 });
 
-test("degrees and amperes of a motor, and back to the driver's units", () => {
-  const units = new Units([{ counts_per_rev: 2000, gear: -60, amp_gain: 0.883 }]);
-  const half = () => `${units.show(0, "position", 500)} ${units.scale(0, "position").unit}`;
-  assert.equal(half(), "500 counts");
-  units.physical = true;
-  assert.equal(half(), "-1.500 °");
-  assert.equal(units.show(0, "current", 1024), "4.415");
-  assert.equal(units.show(0, "code", -2048), "-10.000");
-});
-
 test("why the power went is the first that explains it", () => {
   const at = (t, kind, value, text) => ({ t, kind, value, text });
   const button = [at(1, "fault", 1, "estop 1"), at(1.001, "panic", 1, ""),
@@ -168,38 +143,12 @@ test("why the power went is the first that explains it", () => {
   assert.equal(causeOf([at(0.5, "error", 2, "long ago"), at(1, "stopped", 1, "")], 1), "STOP");
 });
 
-test("an axis without heartbeat is named by its own light: bit 6 of the even one, 7 of the odd one", () => {
-  const lights = [0b01000000, 0b10000000]; // of two cards
-  const machine = { history: { lights: card => lights[card] }, hello: { axes: 4 },
-    input: () => undefined, inputs: [] };
-  assert.deepEqual(panicCauses(machine), ["axis 1 has no heartbeat", "axis 2 has no heartbeat"]);
-  lights.fill(0);
-  assert.deepEqual(panicCauses(machine), ["no axis has a heartbeat"]);
-});
-
 test("numbers as people type them: a decimal comma is understood, or refused, never misread", () => {
   assert.deepEqual(["1.5", "1,5", "0,125", " -12 "].map(parseNumber), [1.5, 1.5, 0.125, -12]);
   for (const text of ["1,234", "1.234,5", "1,234.5", "", "1e", "0x10", "twelve", "--1", "1e400"])
     assert.equal(parseNumber(text), null, text);
   assert.throws(() => parseInteger("2.5", 0, 9, "ilim"),
     /ilim: "2.5" is not a whole number from 0 to 9/);
-});
-
-test("labels and ranges of the setpoint follow the mode; of other integers there are no gains", () => {
-  assert.equal(gainsOf({ a0: 1, a1: 0, a2: 0, b0: 1, b1: 0, b2: 5 }, 0.001), null);
-  const param = { mode: 0, plo: -100, phi: 200, ilim: 928 };
-  assert.deepEqual(setpointScale("pos", param), { name: "Position", quantity: "position", low: -100,
-    high: 200 });
-  assert.equal(setpointScale("vel", param).per, "sample");
-  assert.deepEqual([setpointScale("torq", param).high, setpointScale("off", param)], [928, null]);
-  assert.equal(setpointScale("pos", { ...param, mode: 0x20 }).quantity, "adc");
-  assert.equal(errorWords(0x09), "low position limit, PANIC");
-});
-
-test("registers: addresses of a card, fields by name", () => {
-  assert.equal(offsetOf({ card: true, offset: 0x04 }, 2), 0x89);
-  const pccsr = REGISTERS.find(register => register.name === "PCCSR");
-  assert.match(fieldsText(pccsr, 0x98), /LATCH_EN 1.*BASE 24/);
 });
 
 test("numbers of an address are told when they are none, never taken as nothing", () => {
@@ -321,16 +270,6 @@ test("values are told as bits, hexadecimal, signed numbers, and by name", () => 
   assert.deepEqual(net({ width: 16, form: "signed" }, [0], [0xabcd0001]).values, [1]); // a half of a port
   assert.deepEqual(net({ width: 32 }, [0], [0xffffffff]).values, [0xffffffff]);
   assert.equal(net({ names: { 5: "PCCSR" } }, [0], [5]).text(5), "PCCSR");
-});
-
-test("the answer's nets come to their groups in order", () => {
-  const signal = name => ({ name, width: 1, form: "bits", curve: false, names: {} });
-  const made = new Waves({ clk_hz: 8e6, from: 8, to: 16,
-    groups: [{ name: "a", signals: [signal("x"), signal("y")] }, { name: "b",
-      signals: [signal("z")] }],
-    nets: [0, 1, 1].map(value => ({ clocks: [8], values: [value] })) });
-  assert.deepEqual(made.groups.map(g => g.nets.map(n => n.at(9))), [[0, 1], [1]]);
-  assert.equal(made.seconds(16), 2e-6);
 });
 
 test("ticks are 1, 2 or 5 of a power of ten; differences have their unit", () => {

@@ -73,17 +73,3 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     desk.until("() => document.getElementById('lab-mean_cps')")
     assert page.input_value("#lab-mean_cps") == "1,5x"  # what was typed is kept
     assert page.evaluate("() => mctool.machine.controls")  # grading goes on beside the machine
-
-
-@pytest.mark.req("TOOL-1")
-def test_gains_come_from_the_chosen_axis(desk):
-    page = desk.page
-    open_sheet(desk, 9)
-    desk.choose(3)
-    page.evaluate("() => mctool.machine.change(3, { a0: 7654, ic_pos: 21 })")
-    desk.until("() => mctool.machine.driver.params[3].a0 === 7654")
-    page.click("#lab-take-servo")
-    param = desk.param(3)
-    boxes = page.locator("[id^='lab-servo.']")
-    taken = boxes.evaluate_all("all => all.map((e) => [e.id.slice(10), Number(e.value)])")
-    assert len(taken) == 8 and dict(taken) == {name: param[name] for name, _ in taken}

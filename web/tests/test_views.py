@@ -127,44 +127,6 @@ def test_panes_stand_side_by_side_as_a_person_left_them(desk):
     assert left == [page.evaluate(wide, one) for one in ("#axis", ".scope", ".registers")]
 
 
-def test_a_fault_from_the_menu_is_told_and_healed(desk):
-    page = desk.page
-    page.click("#tab-faults")
-    page.click("#fault-all")
-    page.fill("#fault-search", "ribbon cable is pulled")
-    page.click(".names button")
-    page.click("#fault-apply")
-    desk.until("() => document.querySelector('.faults ul').textContent.includes('cable')")
-    page.click("#fault-heal")
-    desk.until("() => document.querySelector('.faults ul').textContent === 'nothing'")
-    page.get_by_text("Reset the bus").click()  # for visitors: after it no sample comes
-    desk.until("() => document.querySelector('.faults ul').textContent.includes('no sample since')")
-    page.click("#tab-log")
-    lines = "[...document.querySelectorAll('.log li')].map((e) => e.textContent)"
-    desk.until(f"() => {lines}.some((text) => /time-out at 0x6409, [0-9]+ times/.test(text))")
-    desk.until(f"() => {lines}.some((text) => text.includes('sysreset'))")
-    times = page.evaluate(f"() => {lines}.map(parseFloat)")
-    assert times == sorted(times, reverse=True)
-    page.fill("#log-filter", "lease")
-    desk.until(f"() => {lines}.every((text) => text.includes('lease'))")
-    desk.eventually(lambda: "sysreset" in page.inner_text("#cause"))
-    page.click("#go-before")
-    desk.eventually(lambda: "sysreset" not in page.inner_text("#cause"))
-
-
-def test_registers_are_read_by_name_and_written_with_control(desk):
-    page = desk.page
-    page.click("#tab-registers")
-    row = page.locator("tr", has=page.get_by_role("button", name="CARD_PPI_A", exact=True))
-    row.get_by_role("button").click()
-    desk.eventually(lambda: "ENC_MODE 5" in row.inner_text())
-    row.locator("input").fill("0x0D")
-    row.locator("input").blur()  # writes nothing
-    desk.eventually(lambda: row.locator("input").input_value() == "0x0D")
-    row.locator("input").press("Enter")
-    desk.eventually(lambda: "LED1 1" in row.inner_text())
-
-
 def test_back_to_a_moment_and_on_from_there(desk):
     page = desk.page
     page.evaluate("() => mctool.machine.link.request('ring', { every_s: 0.1, count: 40 })")

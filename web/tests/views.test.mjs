@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+// All that the page shows in its states, and all that its controls do, as ever: golden.txt has digests, one
+// for each few lines of a view. MMCS_WRITE=1 in the environment puts there those of today.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { test } from "node:test";
+import { crc32 } from "node:zlib";
+
+import { clear, drawn } from "./libraries.mjs";
+
+const { Arm } = await import("../arm.js");
+const { Axis } = await import("../axis.js");
+const { byId, Source } = await import("../dom.js");
+const { banner, header } = await import("../header.js");
+const { keys } = await import("../keys.js");
+const { Link } = await import("../link.js");
+const { line, said } = await import("../log.js");
+const { Machine } = await import("../machine.js");
+const { Page } = await import("../page.js");
+const { panels } = await import("../panel.js");
+const { FIELDS } = await import("../params.js");
+const { tabs } = await import("../tabs.js");
+const { tiles } = await import("../tiles.js");
+const { timeBar } = await import("../time.js");
+const { askWaves } = await import("../waves.js");
+
+globalThis.setTimeout = () => 0; // no time passes
+
+const SAMPLE = ["adcvai", "encnow", "inow", "error", "fbnow", "vel", "errcode", "setpoint",
+  "demand", "current"];
+const [PANIC, BRAKES, ENABLED, STOPPED] = [1, 2, 4, 8];
+const PARAM = { ...Object.fromEntries(FIELDS.map(name => [name, 0])), a0: 4526, a1: -4416, b0: 64,
+  mode: 0x11, ilim: 1024, plo: -2000, phi: 3000, ic_pos: 80, ic_neg: 84, clkdivisor: 1 };
+const INITIAL = { ...PARAM, a0: 1, a1: 0, b0: 1, mode: 0, plo: -(2 ** 31), phi: 2 ** 31 - 1 };
+const MOTOR = { counts_per_rev: 1000, gear: -60, amp_gain: 0.883, km: 0.25, angle0: 0.1,
+  stiction_pos: 0.2, stiction_neg: 0.25, stop_lo: -2, stop_hi: 1.5 };
+const LINK = { alpha: -1.5708, a: 0.4, d: 0.1, theta0: 0.2 };
+const input = (name, scope, low, high, healthy, values = {}) => ({ name, scope, low, high, healthy,
+  values, meaning: `what ${name} is` });
+const INPUTS = [input("estop", "machine", 0, 1, 0), input("cable", "machine", 0, 1, 1),
+  input("pc_power", "machine", 0, 1, 1), input("card_absent", "card", 0, 1, 0),
+  input("encoder_a_cut", "axis", 0, 1, 0), input("axis_enable", "axis", 0, 1, 1),
+  input("host_stall", "machine", 0, 100, 0)];
+const SHEET = { number: 1, start: "mmcs lab start 1", check: "mmcs lab check 1",
+  html: "<p>text</p>",
+  fields: [{ key: "who", example: "zoh", hint: "a name", members: [] }, { key: "gains", example: "",
+    hint: "integers", members: ["a0", "b0"] }] };
+const NETS = [["sclock", 1, "bits"], ["vme_a", 15, "hex"], ["count", 16, "signed"]].map((
+  [name, width, form],
+) => ({ name, width, form, net: name, curve: form === "signed", names: { 5: "PCCSR" } }));
+const CURVE = { t: [0, 0.1, 0.2], y: [0, 150, 201], rise_ms: 31.5, overshoot_pct: 0.5,
+  settle_ms: null, steady_error_counts: -1 };
+/** What the machine, the designer and the grader answer. */
+const ANSWERS = { inputs: { inputs: INPUTS }, change: { param: PARAM }, setpoint: { t: 2 },
+  load: { value: 0x98 }, sheets: { sheets: [{ number: 1, title: "Velocity" }] }, sheet: SHEET,
+  check: { points: 6, of: 10,
+    marks: [{ key: "who", points: 0, of: 4, why: "none" }, { key: "gains", points: 6, of: 6,
+      why: "good" }] },
+  waves: { clk_hz: 8e6, from: 8000, to: 24000,
+    groups: [{ name: "SCLOCK", signals: NETS.slice(0, 1) }, { name: "VME",
+      signals: NETS.slice(1) }],
+    nets: [{ clocks: [8000, 12000, 20000], values: [0, 1, 0] }, { clocks: [8000, 8010, 15000],
+      values: [5, 0x7abc, 12] }, { clocks: [8000, 9000, 16000], values: [0, 0xfff0, 99] }] },
+  judge: { ...CURVE, fine: true, verdict: "As asked." },
+  predict: { ...CURVE, hz: [1, 10], bode_db: [0, -3], bode_deg: [-10, -90] },
+  chirp: { hz: [1, 10], gain_db: [0, -2], phase_deg: [-9, -80], coherence: [1, 0.99] },
+  tune: { motor: { g: 150.25, lag: 3.125, tc_pos: 80, tc_neg: 84, fit: 0.98765 }, break_away: 99.5,
+    step: CURVE, predicted: CURVE, margins: { phase_deg: 61.7 }, verdict: "Not as asked.",
+    gains: { p: 4.125, i: 0, d: 0.0625, tau: 0.00123 }, fine: false,
+    before: { ...INITIAL, which: 0 }, param: { ...PARAM, which: 0 } },
+  design: { coefficients: { a0: 7 }, warnings: ["rounded"] } };
+
+/** Samples of two axes and one card, a row each 10 ms. */
+function samples(rows, { begin = 0, lines = 0, errcode = 0, moves = 1, lights = 0b10011000000 }) {
+  const bytes = 24 + 4 * 21 + 4;
+  const view = new DataView(new ArrayBuffer(32 + rows * bytes));
+  view.setUint16(0, 0x5331);
+  [[4, rows], [8, bytes]].forEach(([at, value]) => view.setUint32(at, value, true));
+  [[12, 2], [14, 1]].forEach(([at, value]) => view.setUint16(at, value, true));
+  for (let row = 0; row < rows; row++) {
+    const at = 32 + row * bytes;
+    view.setFloat64(at + 8, begin + row / 100, true);
+    const count = moves * row * 7;
+    const own = [-12, count, 300, 900 - count, count, 3, errcode, 900, 900 - row, 310];
+    const ints = [lines, 2, ...own, ...own.map(value => -value * (1 - errcode)), lights];
+    ints.forEach((value, n) => view.setInt32(at + 16 + 4 * n, value, true));
+  }
+  return view.buffer;
+}
+
+const settled = async (turns = 12) => {
+  for (let n = 0; n < turns; n++) await new Promise(setImmediate);
+};
+
+/** A page in one of its states, and the log of what it asks for. */
+async function made(
+  { rows = 200, control = true, events = [], param = PARAM, hello = {}, ...state },
+) {
+  clear();
+  const asked = [];
+  const answers = { ...ANSWERS,
+    inputs: { inputs: INPUTS.map(one => ({ ...one, values: state.values?.[one.name] ?? {} })) } };
+  const now = { you: 1, server: "mc0", scenario: "puma560", axes: 2, cards: 1, lease: null, time: 0,
+    enabled: false, paused: false, speed: 1, interval_us: 1000, diag: 0, double_buffer: false,
+    sample: { fields: SAMPLE }, ...hello };
+  const carrier = { pulse: ms => asked.push(`pulse ${ms}`), onText: _ => {}, send: message => {
+    const { id, op, ...rest } = JSON.parse(message);
+    asked.push(`${op} ${JSON.stringify(rest)}`);
+    const more = op === "hello" ? now
+      : op === "call" ? { param: rest.axis ? INITIAL : param } : answers[op] ?? {};
+    queueMicrotask(() => carrier.onText(JSON.stringify({ id, ...more })));
+  } };
+  const advice = Object.assign(new Source(), { pulse: ms => asked.push(`pulses ${ms}`),
+    request: async (op, more) => {
+      asked.push(`asks ${op} ${JSON.stringify(more)}`);
+      return answers[op];
+    } });
+  const machine = new Machine(new Link(carrier));
+  const page = new Page(machine, { advice, labs: () => advice }, new URLSearchParams("view=scope"));
+  carrier.onText(JSON.stringify({ type: "hello", ...now }));
+  await settled();
+  if (rows) carrier.onBytes(samples(rows, state));
+  page.about = { title: "PUMA", motors: [MOTOR, { ...MOTOR, gear: 50 }],
+    links: [LINK, { ...LINK, alpha: 0, a: 0.3 }], heartbeat_us: 50_000, interval_us: 1000,
+    servo: [{ ...PARAM, mode: 0x11 }, { ...PARAM, a0: 9 }], ...state.about };
+  page.units.motors = page.about.motors;
+  page.units.physical = Boolean(state.physical);
+  page.axes = [0, 1].map(n => new Axis(page, n));
+  if (control) await machine.takeControl();
+  for (const event of events)
+    carrier.onText(JSON.stringify({ type: "event", axis: -1, value: 1, text: "", ...event }));
+  await settled();
+  Object.assign(machine, state.machine);
+  await state.look?.(page);
+  keys(page);
+  const views = tabs(page);
+  asked.length = 0;
+  const later = () => carrier.onBytes(samples(200, { ...state, begin: rows / 100 + 1 }));
+  return { page, machine, views, asked, later };
+}
+
+const STATES = { "looking on": { control: false, hello: { lease: 2 } },
+  "at rest": { lines: STOPPED, physical: true }, "no sample": { rows: 0 },
+  driving: { lines: ENABLED | BRAKES, hello: { enabled: true }, physical: true,
+    about: { links: [], motors: [MOTOR] } },
+  stuck: { lines: ENABLED | BRAKES, hello: { enabled: true }, moves: 0,
+    param: { ...PARAM, a0: 1, a1: 0, b0: 1, b1: 0, mode: 0x83 } },
+  panic: { lines: ENABLED | PANIC, errcode: 9, lights: 0, hello: { enabled: true },
+    values: { estop: { 0: 1 }, cable: { 0: 0 }, encoder_a_cut: { 1: 1 } },
+    events: [{ t: 1.1, kind: "fault", text: "estop 1" }, { t: 1.11, kind: "panic", text: "" }, {
+      t: 1.12,
+      kind: "error",
+      value: 9,
+      axis: 0,
+      text: "axis 0: low position limit",
+    }, { t: 1.15, kind: "enabled", value: 0 }] },
+  "after a fault": { values: { card_absent: { 0: 1 } }, machine: { silent_s: 3.2 },
+    events: [{ t: 1.99, kind: "fault", text: "card_absent 0 1" }, { t: 2, kind: "heartbeat",
+      value: 0 }, { t: 1.9, kind: "bus", text: "no answer" }, { t: 1.9, kind: "bus",
+      text: "no answer" }] },
+  past: { lines: BRAKES, look: page => page.look(1.004),
+    events: [{ t: 1.5, kind: "rewind" }, { t: 1.2, kind: "mode", text: "torq", axis: 1 }, { t: 1.3,
+      kind: "pace", text: "paused" }] },
+  "button pressed": { values: { estop: { 0: 1 } }, hello: { axes: 2, cards: 2 } },
+  diag: { lines: ENABLED | BRAKES, hello: { enabled: true }, param: { ...PARAM, mode: 0 } },
+  triangle: { lines: ENABLED | BRAKES, hello: { enabled: true }, moves: 0,
+    param: { ...PARAM, mode: 4 } },
+  pushed: { lines: ENABLED | BRAKES, hello: { enabled: true, paused: true }, moves: 0, errcode: 0,
+    param: { ...PARAM, mode: 3, ilim: 300 }, machine: { controls: true } },
+  gone: { machine: { connected: false } }, "no STOP": { machine: { stopPath: false } },
+  marked: { rows: 300, look: page => {
+    page.put("scope", { marks: [0.5, 1.25], held: [0.4, 1.4], trigger: "rise",
+      channels: [{ axis: 1, field: "encnow", on: true, n: 7, stroke: "--c1", dash: [8, 3] }] });
+    page.put("fault", { search: "cut", name: "encoder_a_cut", index: "1", value: "1" });
+    page.put("tune", { curves: [["dB", [[1, 10], [0, -3]], [[1, 10], [0, -2]], true]] });
+    page.set({ filter: "estop", axis: 1 });
+    return askWaves(page, 0.00175);
+  }, events: [{ t: 1.1, kind: "fault", text: "estop 1" }, { t: 1.2, kind: "log", text: "mc: x" }] },
+  tuned: { lines: ENABLED | BRAKES, hello: { enabled: true },
+    look: page =>
+      page.put("tune", { fine: true, verdict: "As asked.", undo: true, rows: { rise: "31 ms" },
+        before: { axis: 0, param: INITIAL }, tuned: { axis: 0, param: PARAM } }) } };
+const PRESSED = ["driving", "diag", "past", "tuned", "marked", "button pressed", "looking on"];
+const VIEWS = ["scope", "tune", "machine", "registers", "faults", "waves", "labs", "log"];
+const ROOMS = { header, banner, tiles, panels, timeBar };
+
+const KEYS = ["ArrowLeft", "ArrowDown", "ArrowRight", "ArrowUp", "+", "a", "ArrowRight", "b", "w",
+  "-", "e", "Enter", "c", "?", "Escape", "0"];
+/** Pointer, wheel and keys on an element, one after another. */
+const heard = ({ on }) => given => {
+  const more = { ...given, target: { matches: () => false } };
+  const at = (clientX, clientY) => ({ ...more, clientX, clientY, offsetX: clientX, offsetY: clientY,
+    pointerId: 1, pointerType: "touch", buttons: 1, movementX: 20, movementY: -9, deltaY: 120 });
+  for (const key of KEYS) on.keydown?.({ ...more, key });
+  on.keydown?.({ ...more, code: "Digit1", key: "1" });
+  on.pointermove?.(at(300, 60));
+  on.pointerdown?.(at(400, 110));
+  on.pointermove?.(at(430, 115));
+  on.pointerdown?.({ ...at(500, 120), pointerId: 2 });
+  on.pointermove?.({ ...at(560, 120), pointerId: 2 });
+  for (const id of [2, 1]) on.pointerup?.({ ...at(430, 115), pointerId: id });
+  on.wheel?.(at(350, 60));
+  on.pointerdown?.(at(450, 70));
+  on.pointerup?.(at(450, 70));
+  on.dblclick?.(at(430, 115));
+  on.keyup?.({ ...more, code: "Space" });
+};
+
+/** What a view describes, line by line; its handlers go to `found`. */
+function text(node, found = [], deep = "") {
+  if (Array.isArray(node)) return node.map(one => text(one, found, deep)).join("");
+  if (node === null || node === undefined || node === false || node === "") return "";
+  if (typeof node !== "object") return `${deep}${node}\n`;
+  const { tag, attributes: { ...more } = {}, children = [] } = node;
+  for (const [name, act] of Object.entries(more))
+    if (typeof act === "function") found.push({ name, act, node });
+  if (node.on && Object.keys(node.on).length)
+    found.push({ name: "events", act: heard(node), node });
+  for (const name of ["id", "className", "aria-label", "title", "role", "aria-valuenow"])
+    if (node[name]) more[name] = node[name];
+  if (node.options) Object.assign(more, { options: node.options, data: node.data });
+  const own = JSON.stringify(more, (_, one) => (typeof one === "function" ? "does" : one));
+  return `${deep}${tag} ${own}\n${text([node.shown, children], found, `${deep} `)}`;
+}
+
+/** Name and text of each part of the page, and the handlers there. */
+async function parts({ page, views }, only = VIEWS) {
+  const shown = Object.entries(ROOMS).map(([name, view]) => [name, view(page)]);
+  for (const view of VIEWS.filter(one => only.includes(one))) {
+    page.set({ view });
+    for (let n = 0; n < 2; n++) {
+      views.update();
+      await settled();
+    }
+    views.draw();
+    shown.push([view, byId("views").children.at(-1)]);
+  }
+  const arm = new Arm(page);
+  arm.draw();
+  const around = [["tabs", byId("tabs")], ["room", byId("main")], ["keys", document]];
+  return [...around, ...shown, ["arm", arm.element]].map(([name, node]) => {
+    const found = [];
+    return { name, told: text(node, found), found };
+  });
+}
+
+const FILE = new URL("golden.txt", import.meta.url);
+const kept = Object.fromEntries(
+  readFileSync(FILE, "utf8").split("\n").filter(Boolean).map(row => row.split(": ")),
+);
+
+/** sections: [name, text]. */
+function same(state, sections) {
+  const now = sections.map(([, told]) => (crc32(told) & 0xffff).toString(16).padStart(4, "0"));
+  const before = kept[state]?.split(" ") ?? [];
+  const others = sections.filter((_, n) => now[n] !== before[n]);
+  kept[state] = now.join(" ");
+  const rows = Object.entries(kept).map(row => `${row.join(": ")}\n`);
+  const told = others.map(one => one.join(":\n")).join("\n");
+  const alike = !others.length && now.length === before.length;
+  if (process.env.MMCS_WRITE) writeFileSync(FILE, rows.join(""));
+  else assert.ok(alike, `${state}: not as before\n${told}`);
+}
+
+/** What of the page's store a press may change. */
+const store = page =>
+  ["view", "axis", "moment", "filter", "fault", "scope", "tune", "lab", "waves", "turn", "asked"]
+    .map(name =>
+      `${name} ${
+        JSON.stringify(page[name], (key, one) =>
+          one instanceof Set ? [...one]
+            : one instanceof Map ? [...one]
+            : ["grader", "waves"].includes(key) ? Boolean(one) : one)
+      }`
+    );
+
+test("every view, in every state of the page", async () => {
+  for (const [state, how] of Object.entries(STATES)) {
+    const one = await made(how);
+    const { machine } = one.page;
+    const sections = (await parts(one)).map(({ name, told }) => [name, told]);
+    const messages = [said(machine), ...machine.messages.map(line)];
+    same(state, [...sections, ["drawn", drawn.join("\n")], ["messages", messages.join("\n")]]);
+  }
+});
+
+test("every control does what it did", async () => {
+  for (const state of PRESSED) {
+    const sections = [];
+    for (const { name, found } of await parts(await made(STATES[state]))) {
+      const log = [];
+      const typed = found.map(({ name: on }) => (on === "onChange" ? ["2", "-70000", "x"] : ["2"]));
+      const presses = typed.flatMap((texts, n) => texts.map(one => [n, one]));
+      for (const [n, typing] of presses) {
+        const one = await made(STATES[state]);
+        const again = await parts(one, VIEWS.includes(name) ? [name] : ["log"]);
+        const { act, node, name: on } = again.find(part => part.name === name).found[n];
+        const { value = typing, checked, id } = node.attributes ?? node;
+        const before = store(one.page);
+        one.asked.length = drawn.length = 0;
+        const target = { value: on === "onClick" ? value : typing, checked: !checked, files: [],
+          matches: () => true, focus() {}, children: [], firstChild: { focus() {} } };
+        act({ key: "Enter", target, currentTarget: target, preventDefault() {},
+          stopPropagation() {} });
+        await settled();
+        one.later();
+        await settled();
+        const after = store(one.page).filter(row => !before.includes(row));
+        log.push(`${on} ${id} ${typing}`, ...one.asked, ...after, ...one.machine.messages.map(line),
+          ...drawn);
+      }
+      sections.push([name, log.join("\n")]);
+    }
+    same(`${state}, pressed`, sections);
+  }
+});
