@@ -232,6 +232,11 @@ void lock_after_call(void) {
   if (lock_on() && lock_timers(now_ns) != WIRE_NEVER) (void)lock_now();
 }
 
+/* By a handler, or as the thread is cancelled, whose own handlers run when it is its turn. */
+static void end_wait(void *result) {
+  if (request(WIRE_CANCEL, 0, 0) == 0) *(int *)result = answer(NULL);
+}
+
 /* What comes from outside meanwhile is let through: `heard`, it came. Its handler may have waited,
  * which takes the place of this wait. */
 static int wait_once(struct wire_wait *head, const int *files, const sigset_t *mask, int *heard) {
@@ -248,10 +253,12 @@ static int wait_once(struct wire_wait *head, const int *files, const sigset_t *m
   if (head->files > 0) memcpy(page->data + sizeof(*head), files, 4 * head->files);
   memcpy(page->data + sizeof(*head) + 4 * head->files, last.data, head->written);
   if (request(WIRE_WAIT, more ? states->asked : 0, 0) < 0) return -EIO;
+  pthread_cleanup_push(end_wait, &result);
   result = answer(only_outside(mask));
+  pthread_cleanup_pop(0);
   *heard = result == -EINTR;
   if (*heard && waits != number) return CAUSE_SIGNAL;
-  if (*heard && request(WIRE_CANCEL, 0, 0) == 0) result = answer(NULL);
+  if (*heard) end_wait(&result);
   if (result < 0) return result;
   learn();
   may_be_later = page->now.writes && last.length <= sizeof(last.data);
@@ -267,7 +274,7 @@ int lock_wait(unsigned what, uint64_t until, const void *key, const int *files, 
   sigset_t all, before, meanwhile;
   int cause, saved = errno;
   sigfillset(&all);
-  (void)lock_timers(now_ns); /* one set to what has passed */
+  (void)lock_timers(now_ns); /* one set to what has passed ends no wait that begins later */
   pthread_sigmask(SIG_SETMASK, &all, &before);
   meanwhile = mask != NULL ? *mask : before;
   head.what = what & ~LOCK_RESTARTS;
