@@ -19,6 +19,8 @@ from mmcs.scenario.arm import mass_matrix, stiff_joints
 from mmcs.scenario.files import named
 from mmcs.scenario.identify import Motor, frequency, identify
 from mmcs.scenario.load import load, load_robot
+from mmcs.scenario.robot import Robot
+from mmcs.scenario.scenario import Scenario
 from mmcs.sweeps import campaign, campaign_report, classes, faults
 from mmcs.tests.conftest import call
 from mmcs.tests.test_identify import recording
@@ -172,6 +174,7 @@ VALUES = {
     "chart": lambda _: a_chart(),
     "campaign drawn": lambda _: a_campaign(),
     "waves": lambda _: a_wave(),
+    "schemas": lambda _: [model.model_json_schema() for model in (Scenario, Robot)],
     "mcdef": lambda _: [mcdef.constants(), mcdef.requests()],
     "fmu": lambda _: [fmu.model_description(load(name), "token", m).splitlines()
                       for name, m in (("lab500", True), ("puma560", False))],
