@@ -34,7 +34,7 @@ const PARAM = { ...Object.fromEntries(FIELDS.map(name => [name, 0])), a0: 4526, 
   mode: 0x11, ilim: 1024, plo: -2000, phi: 3000, ic_pos: 80, ic_neg: 84, clkdivisor: 1 };
 const INITIAL = { ...PARAM, a0: 1, a1: 0, b0: 1, mode: 0, plo: -(2 ** 31), phi: 2 ** 31 - 1 };
 const MOTOR = { counts_per_rev: 1000, gear: -60, amp_gain: 0.883, km: 0.25, angle0: 0.1,
-  stiction_pos: 0.2, stiction_neg: 0.25, stop_lo: -2, stop_hi: 1.5 };
+  stiction_pos: 0.5, stiction_neg: 0.6, stop_lo: -2, stop_hi: 1.5 };
 const LINK = { alpha: -1.5708, a: 0.4, d: 0.1, theta0: 0.2 };
 const input = (name, scope, low, high, healthy, values = {}) => ({ name, scope, low, high, healthy,
   values, meaning: `what ${name} is` });
@@ -145,7 +145,7 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
   driving: { lines: ENABLED | BRAKES, hello: { enabled: true }, physical: true,
     about: { links: [], motors: [MOTOR] } },
   stuck: { lines: ENABLED | BRAKES, hello: { enabled: true }, moves: 0,
-    param: { ...PARAM, a0: 1, a1: 0, b0: 1, b1: 0, mode: 0x83 } },
+    param: { ...PARAM, a0: 1, a1: 0, b0: 1, b1: 0, mode: 1 } },
   panic: { lines: ENABLED | PANIC, errcode: 9, lights: 0, hello: { enabled: true },
     values: { estop: { 0: 1 }, cable: { 0: 0 }, encoder_a_cut: { 1: 1 } },
     events: [{ t: 1.1, kind: "fault", text: "estop 1" }, { t: 1.11, kind: "panic", text: "" }, {
@@ -162,10 +162,10 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
   past: { lines: BRAKES, look: page => page.look(1.004),
     events: [{ t: 1.5, kind: "rewind" }, { t: 1.2, kind: "mode", text: "torq", axis: 1 }, { t: 1.3,
       kind: "pace", text: "paused" }] },
-  "button pressed": { values: { estop: { 0: 1 } }, hello: { axes: 2, cards: 2 } },
+  button: { values: { estop: { 0: 1 } }, hello: { axes: 2, cards: 2 } },
   diag: { lines: ENABLED | BRAKES, hello: { enabled: true }, param: { ...PARAM, mode: 0 } },
   triangle: { lines: ENABLED | BRAKES, hello: { enabled: true }, moves: 0,
-    param: { ...PARAM, mode: 4 } },
+    param: { ...PARAM, mode: 0x84 } },
   pushed: { lines: ENABLED | BRAKES, hello: { enabled: true, paused: true }, moves: 0, errcode: 0,
     param: { ...PARAM, mode: 3, ilim: 300 }, machine: { controls: true } },
   gone: { machine: { connected: false } }, "no STOP": { machine: { stopPath: false } },
@@ -181,7 +181,7 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
     look: page =>
       page.put("tune", { fine: true, verdict: "As asked.", undo: true, rows: { rise: "31 ms" },
         before: { axis: 0, param: INITIAL }, tuned: { axis: 0, param: PARAM } }) } };
-const PRESSED = ["driving", "diag", "past", "tuned", "marked", "button pressed", "looking on"];
+const PRESSED = ["driving", "diag", "pushed", "past", "tuned", "marked", "button", "looking on"];
 const VIEWS = ["scope", "tune", "machine", "registers", "faults", "waves", "labs", "log"];
 const ROOMS = { header, banner, tiles, panels, timeBar };
 
