@@ -94,7 +94,6 @@ Transition *Cache::add(const Draft &draft, uint64_t key) {
   Transition *t = new (at) Transition(draft.transition);
   t->key = key;
   t->copy_count = static_cast<uint8_t>(draft.copies.size());
-  for (const Copy &c : draft.copies) t->output_copy_count += fields_[c.to].output;
   t->feedthrough_count = static_cast<uint8_t>(draft.feedthroughs.size());
   t->count_count = static_cast<uint8_t>(draft.counts.size());
   t->moves = copies != 0 || counts != 0;
@@ -134,11 +133,8 @@ bool Cache::derive(const std::vector<Observation> &seen, uint32_t fixed, bool cl
   Transition &t = draft->transition;
   uint32_t counted = 0, copied_from = 0;
   const auto in_all = [&](auto f) { return std::all_of(seen.begin(), seen.end(), f); };
-  // Outputs before the registers that they follow.
-  std::vector<size_t> order;
-  for (size_t f = fields_.size(); f-- > 0;) order.push_back(f);
-  std::stable_partition(order.begin(), order.end(), [this](size_t f) { return fields_[f].output; });
-  for (size_t f : order) {
+  // Ports before the registers that they follow.
+  for (size_t f = fields_.size(); f-- > 0;) {
     const DataField &field = fields_[f];
     const uint8_t to = static_cast<uint8_t>(f);
     if (field.input) continue;

@@ -2,15 +2,6 @@
 // What parts of one module do, cached: states, and the transitions between them. Terms:
 // docs/simulator/simulator.md.
 //
-//   State       a part's control registers, inputs and outputs, and the transitions from it
-//   key         what a state is found by: registers, counters at their margin, inputs
-//   DataField   a register or port whose bits are only moved, or a counter; no part of the key
-//   Transition  what a clock, or inputs that changed, make of a state and of the data fields
-//   Copy        bits of a data field that another one gets
-//   Count       by how much a counter goes on
-//   Observation the data fields before and after a step of the model
-//   Cache       all states and transitions of a module
-//
 // Where data decide (parts.toml), a transition is found by their values: a case. To learn a
 // transition, the model makes the step with kPatterns sets of values in the data fields; every bit
 // has its own pattern over the sets, which shows where it goes.
@@ -34,6 +25,7 @@ constexpr int kPatterns = 16;
 constexpr size_t kMostFields = 32;
 constexpr size_t kMostBytes = 256;  // of control registers
 
+// A register or port whose bits are only moved, or a counter; no part of the key.
 struct DataField {
   uint32_t mask;
   int margin;  // of a counter that is part of the key from this value on down; else -1
@@ -42,6 +34,7 @@ struct DataField {
   uint64_t driven;  // of an input: all ones while this control input is 0; or 0
 };
 
+// Bits of a data field that another one gets.
 struct Copy {
   uint8_t to, from, left;  // fields; rotation of what is copied
   // Of the field's bits: those it keeps; constants, and what is inverted; those of the other field.
@@ -51,6 +44,7 @@ struct Copy {
     return (own & keep) ^ value ^ ((other << left | other >> (-left & 31)) & mask);
   }
 };
+// By how much a counter goes on.
 struct Count {
   uint8_t field;
   int8_t margin;  // the field's
@@ -67,7 +61,7 @@ struct Transition {
     Transition *cases;           // where data decide
   };
   uint32_t sources = 0;  // data inputs that are copied
-  uint8_t copy_count = 0, output_copy_count = 0, count_count = 0, feedthrough_count = 0;
+  uint8_t copy_count = 0, count_count = 0, feedthrough_count = 0;
   bool decided : 1;      // by data: see `cases`
   bool is_case : 1;      // one of them
   bool idle : 1;         // leads to the same state, and k of them are k counts
@@ -82,7 +76,6 @@ struct Transition {
     const T *begin() const { return first; }
     const T *end() const { return last; }
   };
-  // To outputs, then to the others.
   Span<Copy> copies() const {
     const Copy *first = reinterpret_cast<const Copy *>(this + 1);
     return {first, first + copy_count};
@@ -107,6 +100,7 @@ struct Draft {
   std::vector<Copy> feedthroughs;
 };
 
+// Control inputs and outputs of a part, its control registers behind them, and what leads on.
 struct State {
   uint64_t inputs, outputs;  // of control
   uint64_t counters;  // a byte each counter with a margin: its value, or one above the margin
@@ -117,11 +111,11 @@ struct State {
   int16_t silent_clocks = -1;
   bool then_idle = false;  // after them the part is idle
   bool idle = false;       // from now on: a clock copies nothing
-  bool constant = false;   // and nothing counts
 
   uint8_t *registers() { return reinterpret_cast<uint8_t *>(this + 1); }
 };
 
+// The data fields before and after a step of the model.
 struct Observation {
   uint32_t before[kMostFields], data[kMostFields],
       after[kMostFields];  // data: inputs alone changed

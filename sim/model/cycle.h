@@ -5,12 +5,8 @@
 //   Rack::Cycles   all traces of a machine, by request and states (cycle.cpp)
 //   Tracer         works a trace out (cycle_trace.cpp, cycle_data.h)
 //
-// A trace is worked out clock by clock, from the transitions that the caches know, on many values
-// at once, which show where every bit comes from. So it holds for all data, but for conditions
-// where data decide. Its steps are those of the parts that send something; the others hear the same
-// each time, and go on by themselves (cycle_follow.cpp), as encoder counters do whose encoders move
-// meanwhile. Anything unusual (a line that changes, a step that the model computes) has no trace:
-// such a cycle is made clock by clock, as all are in a machine with faults.
+// The steps of a trace are those of the parts that send something; the others go on by themselves
+// (cycle_follow.cpp), as encoder counters do whose encoders move meanwhile.
 #pragma once
 
 #include <memory>

@@ -26,12 +26,12 @@ bool Rack::Cycles::follow(Trace &trace, const EncoderEdge &edge) {
     const Input &input = rack_.inputs_[kEncA + pin];
     const auto axis = static_cast<size_t>(edge.axis);
     for (unsigned n = input.fields[axis]; n < input.fields[axis + 1]; ++n) {
-      const Arrival &to = input.arrivals[n];
+      const Link &to = input.arrivals[n];
       Part &part = *to.part;
       const bool is_step = trace.parts >> part.number & 1;
       const int64_t at = is_step ? rack_.clock_ : t;
       if (!go_to(part, at)) return false;
-      if (!part.put(to.field, edge.pins >> pin & 1 ? to.mask : 0, to.mask, at)) continue;
+      if (!part.put(to, edge.pins >> pin & 1, at)) continue;
       if (is_step && (to.field == kNoField || !passes(trace, part, to.field))) return false;
       part.inputs_changed(at);
       if (!part.only_data_outputs()) return false;

@@ -160,9 +160,12 @@ class Rack::Cycles::Tracer {
     p.inputs = inputs;
     changed_ |= uint64_t{1} << n;
   }
-  void put(const Part &part, int field, int shift, uint64_t mask, const Values &value, int width) {
-    if (field != kNoField) return put(part.number, field, value, low_bits(width));
-    put(part.number, uint64_t{data_.decided(value)} << shift, mask);
+  template <class Input>
+  void put(const Part &part, const Input &to, const Values &value) {
+    const auto mask = static_cast<uint32_t>(to.mask);
+    if (to.field != kNoField) return put(part.number, to.field, value.rotated(to.shift), mask);
+    const uint64_t bits = data_.decided(value);
+    put(part.number, bits << to.shift | bits >> (-to.shift & 63), to.mask);
   }
 
   // --- nets: rack.cpp on many values ---------------------------------------------------------
@@ -181,8 +184,7 @@ class Rack::Cycles::Tracer {
     return true;
   }
   void update_input(const Wire &w, int net, int lsb) {
-    const PartPort &port = *w.port;
-    put(*w.part, port.field, port.shift, port.mask, data_.bits(at(net), lsb, w.width), w.width);
+    put(*w.part, *w.port, data_.bits(at(net), lsb, w.width));
   }
   Values output(const Part &part, const PartPort &port) {
     if (port.data) return data_.copied(place(part.number, port.field));
@@ -198,7 +200,7 @@ class Rack::Cycles::Tracer {
     if (port.width > 32) throw NoTrace{};
     if (port.wire) drive_net(*port.wire);
     const Values value = output(part, port);
-    for (const Link &l : port.links) put(*l.part, l.field, l.shift, l.mask, value, port.width);
+    for (const Link &l : port.links) put(*l.part, l, value);
   }
   void send_outputs(size_t n) {
     Now &p = now_[n];
@@ -220,10 +222,9 @@ class Rack::Cycles::Tracer {
   void update_pc_bus() {
     auto &bus = r_.pc_bus_;
     bus_changed_ = false;
-    constexpr int kWidth[PcBus::kSignals] = {16, 1, 1, 1, 8};
     Values values[PcBus::kSignals];
     for (size_t n = 0; n < PcBus::kSignals; ++n)
-      values[n] = data_.bits(at(bus.nets[n]), 0, kWidth[n]);
+      values[n] = data_.bits(at(bus.nets[n]), 0, PcBus::kWidth[n]);
     const auto control = [&](int signal) { return data_.decided(values[signal]); };
     command_ = !(control(PcBus::kIor) && control(PcBus::kIow));
     uint32_t selected = 0;
@@ -306,15 +307,8 @@ class Rack::Cycles::Tracer {
   }
   void pin(Port port, const Values &value) {
     const Input &input = r_.inputs_[port];
-    for (unsigned n = input.fields[0]; n < input.fields[1]; ++n) {
-      const Arrival &to = input.arrivals[n];
-      if (to.field != kNoField) {
-        put(to.part->number, to.field, value.rotated(to.left), static_cast<uint32_t>(to.mask));
-      } else {
-        const uint64_t bits = data_.decided(value);
-        put(to.part->number, bits << to.left | bits >> (-to.left & 63), to.mask);
-      }
-    }
+    for (unsigned n = input.fields[0]; n < input.fields[1]; ++n)
+      put(*input.arrivals[n].part, input.arrivals[n], value);
   }
   unsigned dtack() { return output(*r_.dtack_->part, *r_.dtack_->port).actual(); }
   void sample() {

@@ -94,7 +94,7 @@ def write_ports(path: Path, module: Module) -> None:
     path.with_name(f"{path.name}.ports").write_text(ports)
     values = [v for v in module.vars.values() if v.is_param and "'" in (v.value or "")]
     path.with_name(f"{path.name}.args").write_text(
-        "\n".join(f"-G{v.name}={_literal(v.value)}" for v in values) + "\n"
+        "\n".join(f"-G{v.name}={v.value}" for v in values).replace("'sh", "'h") + "\n"
     )
 
 
@@ -104,10 +104,6 @@ def shell(module: Module) -> str:
     ports = ",\n".join(f"  {p.direction.lower()} logic [{p.width - 1}:0] {p.name}"
                        for p in module.ports)  # fmt: skip
     return f"module {module.name} #({parameters}) (\n{ports}\n);\nendmodule\n"
-
-
-def _literal(value: str) -> str:
-    return value.replace("'sh", "'h")
 
 
 def port_rows(board: Board, part: Instance, rows: list[tuple]) -> list[tuple]:

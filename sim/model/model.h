@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mmcs_sim.h"
@@ -22,6 +23,9 @@ inline constexpr unsigned kLineIrq = 0xFE;  // bit n = IRQn* requesting
 inline constexpr unsigned kLinePanic = 1u << 8;
 inline constexpr unsigned kLineBrakeRelease = 1u << 9;
 inline constexpr unsigned kLineSclock = 1u << 10;
+// The outputs of the machine that they are, with the lowest bit of each.
+inline constexpr std::pair<const char *, int> kLinePorts[] = {
+    {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
 
 // The three wires of an encoder from a clock on, as Pins::set_encoder() takes them.
 struct EncoderEdge {

@@ -156,13 +156,10 @@ def dissolve(netlist: Netlist, outer: Module, name: str) -> None:
     names = {port: expr["name"] for port, expr in pins.items() if expr is not None}
     if any(expr["type"] != "VARREF" for expr in pins.values() if expr is not None):
         raise NetlistError(f"{name}: a pin is no plain net")
-    for node in (n for b in inner.blocks for n in walk(b)):
+    pinned = (expr for _, _, below in inner.cells for expr in below.values() if expr is not None)
+    for node in (n for tree in (*inner.blocks, *pinned) for n in walk(tree)):
         if node.get("type") == "VARREF":
             node["name"] = names.get(node["name"], node["name"])
-    for _, _, below in inner.cells:
-        for node in (n for expr in below.values() if expr is not None for n in walk(expr)):
-            if node.get("type") == "VARREF":
-                node["name"] = names.get(node["name"], node["name"])
     for var in inner.vars.values():
         if var.direction == "NONE" and not var.is_param:
             outer.vars.setdefault(var.name, var)

@@ -126,7 +126,6 @@ void Part::look_ahead(State *s) {
   }
   s->silent_clocks = clocks;
   s->idle = s->then_idle && clocks == 0;
-  s->constant = s->idle && s->on_clock->count_count == 0;
 }
 
 // The edge at which a counter of an idle part comes to its margin.

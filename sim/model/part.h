@@ -31,9 +31,8 @@ class Part {
 
   // An input has this value after edge t. True: inputs_changed() must be called.
   template <class Input>
-  bool put(const Input &port, uint64_t value, int64_t t) {
-    if (port.field != kNoField) return put_data(port.field, static_cast<uint32_t>(value), t);
-    return put(kNoField, value << port.shift, port.mask, t);
+  bool put(const Input &to, uint64_t value, int64_t t) {
+    return put(to.field, value << to.shift | value >> (-to.shift & 63), to.mask, t);
   }
   // Some bits of a data field, or of the control inputs.
   bool put(int field, uint64_t bits, uint64_t mask, int64_t t) {
@@ -59,7 +58,7 @@ class Part {
   void catch_up(int64_t t) {
     if (now_.last >= t) return;
     if (!now_.idle) return catch_up_slowly(t);
-    if (!now_.state->constant) count(*now_.state->on_clock, t - now_.last);
+    count(*now_.state->on_clock, t - now_.last);
     now_.last = t;
   }
   // No clock came up to edge t.
@@ -81,7 +80,7 @@ class Part {
     uint64_t outputs = 0;
     uint64_t taken = 0;             // outputs, as take_outputs() saw them last
     uint32_t changed = 0;           // data inputs that changed, by bit
-    uint32_t pending = 0;           // data outputs that changed since they were taken, by bit
+    uint32_t pending = 0;           // data that changed since it was taken as output, by bit
     int64_t last = 0;               // the edge of the last clock that was made
     int64_t due = 0;                // see due()
     uint64_t hits = 0, misses = 0;  // steps from the cache; steps that the model was evaluated for
@@ -183,14 +182,10 @@ inline void Part::apply(const Transition &t) {
   uint32_t own[kMostFields];
   const uint32_t *before = fields_;
   if (t.overlaps) before = static_cast<uint32_t *>(std::memcpy(own, fields_, sizeof own));
-  const Copy *c = t.copies().first;
-  for (const Copy *end = c + t.output_copy_count; c != end; ++c) {
-    const uint32_t was = fields_[c->to], now = c->apply(was, before[c->from]);
-    now_.pending |= uint32_t{was != now} << c->to;
-    fields_[c->to] = now;
-  }
-  for (const Copy *end = t.copies().last; c != end; ++c) {
-    fields_[c->to] = c->apply(fields_[c->to], before[c->from]);
+  for (const Copy &c : t.copies()) {
+    const uint32_t was = fields_[c.to], now = c.apply(was, before[c.from]);
+    now_.pending |= uint32_t{was != now} << c.to;
+    fields_[c.to] = now;
   }
   for (const Count &n : t.counts()) fields_[n.field] = (fields_[n.field] + n.by) & n.mask;
 }

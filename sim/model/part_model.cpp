@@ -22,19 +22,10 @@ uint64_t bits(int width, int at) {
 
 // Most registers are one byte, and a call for each costs more than the copy.
 inline void copy_bytes(void *to, const void *from, int bytes) {
-  switch (bytes) {
-    case 1:
-      std::memcpy(to, from, 1);
-      break;
-    case 2:
-      std::memcpy(to, from, 2);
-      break;
-    case 4:
-      std::memcpy(to, from, 4);
-      break;
-    default:
-      std::memcpy(to, from, static_cast<size_t>(bytes));
-  }
+  if (bytes == 1)
+    std::memcpy(to, from, 1);
+  else
+    std::memcpy(to, from, static_cast<size_t>(bytes));
 }
 
 }  // namespace
@@ -126,7 +117,7 @@ void PartModel::add_port(const PartRow &own, const PortRow &row, Net net) {
       if (!other->data && !other->output) port->shift += other->width;
     }
   }
-  if (!data) port->mask = bits(row.width, port->shift);
+  port->mask = bits(row.width, port->shift);
   ports_.push_back(std::move(port));
 }
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Verilated model of a part: where its registers and ports are. The data fields and the control
 // state that Part has in its cache are written to it and read from it here.
-//
-//   Link, PartPort     a port, and the inputs of other parts that it drives
-//   RegisterPlace      where a register is: in the model, and in the state or the data fields
 #pragma once
 
 #include <cstdint>
@@ -23,11 +20,11 @@ constexpr int kNoField = -1;  // a control input, output or register
 class Part;
 struct Wire;
 
-// An input of a part, with all that a value needs to get there.
+// Bits of an input of a part, with all that a value needs to get there.
 struct Link {
   Part *part;
-  uint64_t mask;  // its bits among the control inputs
-  int shift;      // the lowest of them
+  uint64_t mask;  // of the data field or among the control inputs
+  int shift;      // rotation of the value
   int field;      // of data, else kNoField
 };
 
@@ -37,13 +34,14 @@ struct PartPort {
   int width;
   bool output, data;
   bool whole;                 // it is all of its variable
-  int shift = 0;              // its lowest bit among the control inputs or outputs
-  uint64_t mask = 0;          // its bits there
+  int shift = 0;              // its lowest bit among the control inputs or outputs; of data 0
+  uint64_t mask = 0;          // its bits there, or of the data field
   int field = kNoField;       // of data
   std::vector<Link> links{};  // of an output: inputs on the same board
   Wire *wire = nullptr;       // of an output: to a net that is read outside the board
 };
 
+// Where a register is: in the model, and in the state or the data fields.
 struct RegisterPlace {
   Net net;    // in the model
   int field;  // of data, else kNoField

@@ -108,6 +108,7 @@ class Board:
             [*board.values(), *sorted(set(readers) | set(drivers))]))}  # fmt: skip
         selected = RULES["selected"].get(self.all[0].module.name, {"inputs": ()})["inputs"]
         selected = {board[p] for p in selected}
+        outputs = {board[p.name] for p in self.all[0].module.ports if p.direction == "OUTPUT"}
         rows: list[list[tuple]] = [[] for _ in self.parts]
         for net, number in numbers.items():
             inside = members.get(net, [])
@@ -115,13 +116,11 @@ class Board:
             for n in range(len(self.parts)):
                 out = n in driver
                 others = readers.get(net, set()) - {n}
-                outside = any(net == b and v.direction == "OUTPUT" for p, b in board.items()
-                              for v in [self.all[0].module.vars[p]])  # fmt: skip
                 loop = out and self._variable(n, inside, False)[0] == ""  # around the part
                 if loop:
                     rows[n].append((*self._variable(n, inside, False), False, "Kind::kControl",
                                     False, number))  # fmt: skip
-                if out and not (others or outside or loop):
+                if out and not (others or net in outputs or loop):
                     continue
                 if not out and n not in readers.get(net, ()):
                     continue
@@ -158,16 +157,13 @@ class Board:
         """The variable of a part's model that a net is: a port of its own, or of a chip in it."""
         part = self.parts[n]
         own = "OUTPUT" if out else "INPUT"
+        chips = {c.path for c in self.parts[1:]} - {part.path}
         for path, v in members:
             if path == part.path and v.direction == own:
                 return "", v
         for path, v in members:
-            chip = any(c.path == path for c in self.parts[1:]) and path != part.path
-            if (
-                chip
-                and v.direction not in ("NONE", own)
-                and self.part(path.rpartition(".")[0]) == n
-            ):
+            within = path in chips and self.part(path.rpartition(".")[0]) == n
+            if within and v.direction not in ("NONE", own):
                 return path[len(part.path) :].lstrip("."), v
         return None, None
 

@@ -63,9 +63,7 @@ Plain::Plain(uint64_t seed, const std::string &card) : context_(create_context(s
     checkers_.push_back(find(path, "rst_ni__VforceEn"));
   }
   master_ = find_register("u_adaptor.u_core.u_master.state_q");
-  const std::pair<const char *, int> lines[] = {
-      {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
-  for (const auto &[name, bit] : lines) line_nets_.emplace_back(board_->port(name), bit);
+  for (const auto &[name, bit] : kLinePorts) line_nets_.emplace_back(board_->port(name), bit);
   for (const char *name : OwnCard::kInputs) card_inputs_.push_back(board_->port(name));
   for (const char *name : OwnCard::kOutputs) card_outputs_.push_back(board_->port(name));
   open_card(card);

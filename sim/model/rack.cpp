@@ -151,11 +151,10 @@ void Rack::update_lines() {
 void Rack::update_pc_bus() {
   auto &bus = pc_bus_;
   bus.changed = false;
-  constexpr int kWidth[PcBus::kSignals] = {16, 1, 1, 1, 8};
   unsigned changed = 0;
   for (size_t n = 0; n < PcBus::kSignals; ++n) {
     const unsigned before = bus.values[n];
-    bus.values[n] = static_cast<unsigned>(nets_.get(bus.nets[n], 0, kWidth[n]));
+    bus.values[n] = static_cast<unsigned>(nets_.get(bus.nets[n], 0, PcBus::kWidth[n]));
     changed |= unsigned{bus.values[n] != before} << n;
   }
   bus.command = !(bus.values[PcBus::kIor] && bus.values[PcBus::kIow]);

@@ -2,17 +2,6 @@
 // The machine made of its parts, each Verilated by itself, wired as rtl/mmcs.sv wires them. Terms:
 // docs/simulator/simulator.md.
 //
-//   Wire             a port of a board on a net of rtl/mmcs.sv
-//   Rack             nets and time (rack.cpp), wiring (rack_wire.cpp), access (rack_access.cpp)
-//   parts_           boards and chips; caches_: of each module; board_begin_: first parts of boards
-//   nets_            values of nets; readers_: the inputs that read them; glue_: the logic between
-//   inputs_          where each port of the machine leads
-//   pc_bus_          the bus that only selected cards receive
-//   edges_           encoder edges to come
-//   schedule_        the clock edge that each part needs next
-//   changed_inputs_  parts that must be evaluated now
-//   dtack_ ...       outputs of the machine that Model reads
-//
 // Time: edge t is the clock that makes clock() t. All parts see their inputs as they were before
 // the edge; a pin set at clock t is at the port after edge t + 1.
 #pragma once
@@ -30,6 +19,7 @@
 
 namespace mmcs {
 
+// A port of a board on a net of rtl/mmcs.sv.
 struct Wire {
   Part *part;
   const PartPort *port;
@@ -159,9 +149,9 @@ class Rack : public Model {
   // The data fields of each part; nets; what Cycles has of its own.
   static constexpr size_t kFirstNet = Schedule::kMostParts * kMostFields;
   std::vector<uint32_t> data_ = std::vector<uint32_t>(kFirstNet + 2 * Nets::words() + 2);
-  std::map<std::string, std::shared_ptr<Cache>> caches_;
+  std::map<std::string, std::shared_ptr<Cache>> caches_;  // by module
   std::vector<std::unique_ptr<Part>> parts_;
-  std::vector<size_t> board_begin_;
+  std::vector<size_t> board_begin_;  // the first part of each board
 
   Nets nets_;
   struct Reader {
@@ -178,18 +168,12 @@ class Rack : public Model {
   std::vector<Wire *> vme_data_wires_;          // outputs that lead to the bus master only
   Net vme_data_;                                // in the glue
 
-  struct Arrival {  // bits of a part's input
-    Part *part;
-    uint64_t mask;
-    int left;   // rotation of the port's field
-    int field;  // of data, else kNoField
-  };
   struct Input {
     int net = -1, shift = 0;  // its fields are 1 << shift wide
-    std::vector<Arrival> arrivals;
+    std::vector<Link> arrivals;
     std::vector<unsigned> fields;  // the first arrival of each field; then the end
   };
-  Input inputs_[kPorts];
+  Input inputs_[kPorts];  // where each port of the machine leads
 
   struct CardInput {
     Wire *wire;
@@ -197,6 +181,7 @@ class Rack : public Model {
   };
   struct PcBus {
     enum { kAddress, kAen, kIor, kIow, kData, kSignals };
+    static constexpr int kWidth[kSignals] = {16, 1, 1, 1, 8};
     Decoder decoder;
     int nets[kSignals] = {-1, -1, -1, -1, -1};
     unsigned values[kSignals] = {};  // as the selected cards have them
@@ -207,7 +192,7 @@ class Rack : public Model {
     uint32_t selected = 0;                                      // cards, by bit
     bool changed = false, switches_changed = true, command = true;
   };
-  PcBus pc_bus_;
+  PcBus pc_bus_;  // which selected cards alone receive
 
   struct {
     int nets[std::size(OwnCard::kInputs)] = {};
@@ -224,7 +209,7 @@ class Rack : public Model {
   } edges_;
 
   Schedule schedule_;
-  uint64_t changed_inputs_ = 0, all_parts_ = 0;
+  uint64_t changed_inputs_ = 0, all_parts_ = 0;  // by bit: with inputs to be evaluated; all
   uint64_t runs_ = 0;
   bool stop_lines_ = false;  // lines changed a clock ago
 

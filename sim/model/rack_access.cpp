@@ -20,12 +20,9 @@ void Rack::put(Port port, int lsb, int, uint64_t value) {
   if (own_card_ && own_card_->take(port, lsb, value)) card_.changed = true;
   if (n + 1 >= input.fields.size()) return;  // of no axis or card that the machine has
   const unsigned *field = &input.fields[n];
-  const Arrival *to = input.arrivals.data() + field[0];
-  for (const Arrival *end = to + (field[1] - field[0]); to != end; ++to) {
-    const uint64_t bits = value << to->left | value >> (-to->left & 63);
-    if (stopped_) to->part->pass(clock_);
-    if (to->part->put(to->field, bits, to->mask, clock_)) inputs_changed(*to->part);
-  }
+  const Link *to = input.arrivals.data() + field[0];
+  for (const Link *end = to + (field[1] - field[0]); to != end; ++to)
+    put_input(*to->part, *to, value);
   if (port == kDip) pc_bus_.switches_changed = pc_bus_.changed = true;
 }
 

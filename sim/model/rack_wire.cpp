@@ -196,9 +196,7 @@ void Rack::wire_outputs(const std::vector<char> &read) {
   d_oe_ = of_adaptor("vme_d_oe_o");
   dtack_ = of_adaptor("vme_dtack_no");
   alive_ = of_adaptor("alive_o");
-  const std::pair<const char *, int> lines[] = {
-      {"vme_irq_no", 1}, {"panic_o", 8}, {"brake_release_o", 9}, {"sclock_o", 10}};
-  for (const auto &[name, bit] : lines) {
+  for (const auto &[name, bit] : kLinePorts) {
     const Wire *wire = of_adaptor(name);
     wire->part->line_mask |= wire->port->mask;
     line_wires_.emplace_back(wire, bit);

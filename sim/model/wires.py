@@ -4,17 +4,10 @@
 That logic is Verilated with empty boards around it (glue.cpp).
 """
 
+import re
+
 from netlist import Module, Netlist, NetlistError, cpp, reads, walk, writes
 from parts import Board
-
-
-def constant(node: dict) -> int:
-    """The value of a constant, as 3 or 32'h3."""
-    width, _, value = node["name"].partition("'")
-    if not value:
-        return int(width)
-    base = {"h": 16, "d": 10, "b": 2, "o": 8}[value.lstrip("s")[0]]
-    return int(value.lstrip("s")[1:].replace("_", ""), base)
 
 
 class Wires:
@@ -49,7 +42,7 @@ class Wires:
         if expr["type"] == "SEL" and expr["fromp"][0]["type"] == "VARREF":
             lsb = expr["lsbp"][0]
             if lsb["type"] == "CONST":
-                return expr["fromp"][0]["name"], constant(lsb)
+                return expr["fromp"][0]["name"], int(re.sub(r".*'s?h", "", lsb["name"]), 16)
         raise NetlistError(f"wires: {path}.{port} is on no plain net")
 
     def glue_ports(self) -> set[tuple[str, str]]:
