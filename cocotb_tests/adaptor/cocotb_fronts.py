@@ -152,6 +152,21 @@ async def our_driver_is_the_same_to_the_count(tb):
     assert max(took) == CLOCKS[tb.front], f"{max(took)} clocks"
 
 
+@tests_on(ready, "axil")("ADP-1")
+async def reads_and_writes_that_wait_take_turns(dut, tb):
+    order = []
+
+    async def ask(what, access):
+        await access
+        order.append(what)
+
+    tasks = [cocotb.start_soon(ask("read", tb.rd(PCCSR))) for _ in range(6)]
+    tasks += [cocotb.start_soon(ask("write", tb.wr(VECTOR, 0x40))) for _ in range(6)]
+    for task in tasks:
+        await task
+    assert all(a != b for a, b in zip(order, order[1:], strict=False)), order
+
+
 @tests_on(ready, "axil", "wb", "wb-pipelined", "wb-8bit")("ADP-1")
 async def masters_that_pause_and_masters_that_give_up(dut, tb):
     """A response that is not taken waits; a Wishbone cycle given up leaves nothing behind."""

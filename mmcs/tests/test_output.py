@@ -45,7 +45,7 @@ SESSIONS = {
     "arm": ["run puma560_reach --out arm", "export mcap arm"],
     "calibrate": ["run puma560_calibrate --out arm"],
     "bounce": ["run puma560_bounce --out arm --duration 0.4"],
-    "events": ["run fault_estop --out a"],
+    "events": ["run fault_estop --out a", "check lab500 --set servo=[{clkdivisor=2}]"],
     "refused": ["run fault_bus_errors --out a", "run user_loop --out b", "compare a b"],
     "design": [
         "design -p 4 -d 0.1", "design -p 4 -i 9 -d 0.1 --method bilinear --tau 0.001",
@@ -53,7 +53,8 @@ SESSIONS = {
         "design --wn 60 --zeta 0.7 --kick 50 --toml", "design --wn 80 --robot lab500 --toml",
         "design -p 2 -d 0.1 --method matched --tau 0.002 --scale 256 --axis 4",
         "design --wn 900", "design --wn 30 --axis 5 --interval 4000 --toml", "design -p 1e-9",
-        "design -p 0.2 -d 0.01 --robot lab500",
+        "design -p 0.2 -d 0.01 --robot lab500", "design -p 3.3 -i 41 -d 0.07",
+        "design -p 6.1 -i 77 -d 0.2 --interval 2000", "design -p 1.7 -i 12.5",
     ],
     "sweep": [
         "sweep lab500 --grid axis.0.b0=56,72 --random axis.0.ilim=200..1000 --samples 2 --out s"
@@ -134,7 +135,7 @@ def a_wave():
         waves._gtkwave(Path("x.fst"), Path("x"), waves.GROUPS, one, events).splitlines()
         for one, events in ((seen, (None, 2 * 10**9)), (None, (7, None)), (None, (None, None)))
     ]
-    return wavegen.wavejson(entry, found, 0), watched.groups(["X", "Y"]), view
+    return wavegen.wavejson(entry, found, 250), watched.groups(["X", "Y"]), view
 
 
 def a_frequency():

@@ -130,6 +130,7 @@ def test_nothing_is_installed_beside_the_lock():
         notices = (Path(name) / sbom.NOTICES).read_text()
     listed = {part["purl"]: part for part in bom["components"]}
     assert all(part["externalReferences"][0]["hashes"] for part in listed.values())
+    assert all(part["bom-ref"] == purl for purl, part in listed.items())
     assert "s 1, MIT" in notices and "Permission is granted" in notices
     assert "Verilator" in notices and len(notices) > 2000
     assert any(purl.startswith("pkg:npm/uplot@") for purl in listed)
