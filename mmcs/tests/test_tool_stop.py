@@ -33,10 +33,8 @@ async def test_the_stop_path_is_asked_in_order_and_found_again(tmp_path):
     with pytest.raises(OSError):
         await path.ask("stop")
     async with await fake_stop_path(tmp_path, {"stop": "stopped 1.5", "state": "state 2 a 1"}):
-        assert await asyncio.gather(path.ask("stop"), path.ask("state")) == [
-            "stopped 1.5",
-            "state 2 a 1",
-        ]
+        answers = await asyncio.gather(path.ask("stop"), path.ask("state"))
+        assert answers == ["stopped 1.5", "state 2 a 1"]
         path.hang_up()
         assert await path.ask("stop") == "stopped 1.5"
         path.hang_up()
@@ -100,8 +98,11 @@ async def test_a_stop_comes_through_after_the_machine_was_started_again(tmp_path
 @in_a_loop
 async def test_a_machine_that_does_not_answer_is_told(tmp_path, monkeypatch):
     button = Button(tmp_path / "nowhere.stop")
-    said = []
-    button.clients = {object()}
+    button.clients, said = {object()}, []
     monkeypatch.setattr(stopper, "broadcast", lambda _, text: said.append(json.loads(text)))
     await button.order("stop", 0.0)
-    assert said == [{"order": "stop", "failed": "the machine does not answer"}]
+    watching = asyncio.create_task(button.watch())
+    while len(said) < 2:
+        await asyncio.sleep(0.001)
+    watching.cancel()
+    assert said == [{"order": "stop", "failed": "the machine does not answer"}, {"state": None}]

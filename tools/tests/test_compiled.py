@@ -45,8 +45,14 @@ def test_a_header_of_the_first_of_two_sources_changes(program, tmp_path, compile
     assert said(make()) == "two\n"
 
 
-def test_a_flag_changes(program):
-    assert program() != program("-O1")
+def test_a_flag_changes_or_the_compiler(program, tmp_path, monkeypatch):
+    made = {program(), program("-O1")}
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    for _ in "ab":  # of one size
+        (tmp_path / "cc").write_text('#!/bin/sh\nexec gcc "$@"\n')
+        (tmp_path / "cc").chmod(0o755)
+        made.add(program())
+    assert len(made) == 4
 
 
 def test_half_a_store_is_made_anew(program):
