@@ -100,6 +100,8 @@ class Probe:
 
     def begin(self) -> None:
         """Pauses the machine, which release() ends, also after an error of this."""
+        if not self.link.request("hello")["enabled"]:  # there may be no samples to tell it
+            raise TuneError("the machine has been stopped, or is not enabled")
         self.interval_s = self.link.request("call", request="MGETINTERVAL")["value"] * 1e-6
         self._pauses = not self.link.hello["paused"]
         self.link.request("pace", paused=True)
