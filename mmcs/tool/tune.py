@@ -146,10 +146,8 @@ class Probe:
         while True:
             if self._rows:
                 end = self.now + seconds if end is None else end
-                if until():
-                    return True
-                if self.now >= end:
-                    return False
+                if (came := until()) or self.now >= end:
+                    return came
             self._listen()
 
     def _listen(self) -> None:

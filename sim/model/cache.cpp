@@ -30,6 +30,7 @@ Cache::Cache(std::vector<DataField> fields, size_t register_bytes)
 // another way shows. So does a carry from the low byte, up in one set and down in another.
 Patterns Cache::make_patterns() const {
   std::vector<uint32_t> masks;
+  masks.reserve(fields_.size());
   for (const DataField &field : fields_) masks.push_back(field.output ? 0 : field.mask);
   return {kPatterns, masks, [this](size_t f, std::vector<uint32_t> &values) {
             const DataField &field = fields_[f];
