@@ -42,14 +42,13 @@ REMEDIES = [  # words of a failure, what to do
 
 def environment() -> dict[str, str]:
     """Of the installer: pip's settings, unless the variable is set already."""
-    given, told = dict(ALWAYS), ""
-    for python in (
-        sys._base_executable,
-        sys.executable,
-    ):  # of one that has pip, if the other lacks it
+    given = dict(ALWAYS)
+    for python in (sys._base_executable, sys.executable):  # one of them has pip
         asked = [python, "-m", "pip", "config", "list"]
-        told = told or subprocess.run(asked, text=True, capture_output=True, check=False).stdout
-    for line in told.splitlines():  # global.index-url='https://...'; later ones win
+        told = subprocess.run(asked, text=True, capture_output=True, check=False)
+        if not told.returncode:
+            break
+    for line in told.stdout.splitlines():  # global.index-url='https://...'; later ones win
         place, _, value = line.partition("=")
         for name in SETTINGS.get(place.rpartition(".")[2], ()):
             given[name] = " ".join(ast.literal_eval(value).split())
