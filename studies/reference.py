@@ -76,7 +76,8 @@ def units_per_nm(motor) -> float:
 def measure(robot: str, interval_us: int, size: int, compensation: str):
     """All axes of the robot make the step at once, each on its own; the result and its report."""
     base = "puma560" if robot == "puma560" else "lab500"
-    plain = load(base, f'robot="{robot}"')
+    counts = ["robot.axis.0.counts_per_rev=4000"] if robot == "lab1000" else []
+    plain = load(base, *counts)
     factor = {"off": 0.0, "0.8": 0.8, "1.0": 1.0}[compensation]
     servo = [f'{{axis="all", ilim={ILIM}}}']
     for n, gains in enumerate(GAINS.get(robot, {}).get(f"pd_{interval_us}us", ())):
@@ -86,7 +87,7 @@ def measure(robot: str, interval_us: int, size: int, compensation: str):
         pos, neg = round(units * motor.coulomb_pos), round(units * motor.coulomb_neg)
         servo.append(f"{{axis={n}, ic_pos={pos}, ic_neg={neg}}}")
     sets = (
-        f'robot="{robot}"',
+        *counts,
         f"interval_us={interval_us}",
         f"servo=[{', '.join(servo)}]",
         f'motion=[{{axis="all", kind="step", at=0.05, to={size}}}]',

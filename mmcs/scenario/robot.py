@@ -177,12 +177,12 @@ EveryAxis = _some_of_motor("EveryAxis")
 class Link(Strict):
     """One link of a serial arm, standard Denavit-Hartenberg."""
 
-    alpha: Angle
-    a: _within(1e3)
-    d: _within(1e3)
-    theta0: Angle
-    mass: _from_0(1e6)
-    com: _vector(3, 1e3)
+    alpha: Angle = 0.0
+    a: _within(1e3) = 0.0
+    d: _within(1e3) = 0.0
+    theta0: Angle = 0.0
+    mass: _from_0(1e6) = 0.0
+    com: _vector(3, 1e3) = [0.0, 0.0, 0.0]
     inertia: _vector(6, 1e6)
     source: str = ""
 

@@ -2,9 +2,9 @@
 """The robot files as C initialisers, so that the plant's tests need no TOML reader."""
 
 import re
-import tomllib
 
 from mmcs import ROOT
+from mmcs.scenario.load import load_robot
 
 
 def fields() -> list[str]:
@@ -18,19 +18,16 @@ def fields() -> list[str]:
 def header() -> str:
     lines = ["#pragma once", '#include "mmcs_sim.h"', "namespace robots {"]
     for path in sorted((ROOT / "sim" / "robots").glob("*.toml")):
-        robot = tomllib.loads(path.read_text())
-        name = path.stem
-        robot["axis"] = [robot.get("every_axis", {}) | axis for axis in robot["axis"]]
+        robot, name = load_robot(str(path))[1], path.stem
         lines.append(f"inline constexpr mmcs_motor {name}[] = {{")
-        for axis in robot["axis"]:
-            values = {"index_per_rev": 1} | axis  # others that are left out are 0
-            lines.append("  {" + ", ".join(str(values.get(f, 0)) for f in fields()) + "},")
+        for values in robot.motors(coupled=False):
+            lines.append("  {" + ", ".join(str(values[f]) for f in fields()) + "},")
         lines.append("};")
-        rotors = ", ".join(str(a["rotor_inertia"]) for a in robot["axis"])
+        rotors = ", ".join(str(motor.rotor_inertia) for motor in robot.axis)
         lines.append(f"inline constexpr double {name}_rotor_inertia[] = {{{rotors}}};")
-        if "link" in robot:
+        if robot.link:
             lines.append(f"inline constexpr mmcs_link {name}_links[] = {{")
-            for k in robot["link"]:
+            for k in robot.links():
                 com, inertia = (", ".join(map(str, k[v])) for v in ("com", "inertia"))
                 first = ", ".join(str(k[v]) for v in ("alpha", "a", "d", "theta0", "mass"))
                 lines.append(f"  {{{first}, {{{com}}}, {{{inertia}}}}},")

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The arm against the Robotics Toolbox's PUMA 560, and the robot file against its parameters."""
 
-import tomllib
-
 import numpy as np
 import pytest
-from test_plant import ROOT, build
+from test_plant import build
 
+from mmcs.scenario.load import load_robot
 from tools.compiled import ran
 
 SEED = 1989
@@ -23,18 +22,18 @@ def puma():
 
 
 def test_robot_file_is_the_toolbox_robot(puma):
-    robot = tomllib.loads((ROOT / "sim" / "robots" / "puma560.toml").read_text())
-    for axis, link, joint in zip(robot["axis"], robot["link"], puma.links, strict=True):
-        assert np.allclose([link["alpha"], link["a"], link["d"]], [joint.alpha, joint.a, joint.d])
-        xx, yy, zz, xy, yz, xz = link["inertia"]
+    _, robot = load_robot("puma560")
+    for axis, link, joint in zip(robot.axis, robot.link, puma.links, strict=True):
+        assert np.allclose([link.alpha, link.a, link.d], [joint.alpha, joint.a, joint.d])
+        xx, yy, zz, xy, yz, xz = link.inertia
         assert np.array_equal([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], joint.I)
-        assert link["mass"] == joint.m
-        assert link["com"] == list(joint.r)
-        assert (axis["gear"], axis["rotor_inertia"]) == (joint.G, joint.Jm)
-        assert axis["viscous"] == joint.B
+        assert link.mass == joint.m
+        assert link.com == list(joint.r)
+        assert (axis.gear, axis.rotor_inertia) == (joint.G, joint.Jm)
+        assert axis.viscous == joint.B
         # The toolbox gives Coulomb friction by the joint's direction, we by the motor's.
         positive, negative = joint.Tc if joint.G > 0 else -joint.Tc[::-1]
-        assert (axis["coulomb_pos"], axis["coulomb_neg"]) == (positive, -negative)
+        assert (axis.coulomb_pos, axis.coulomb_neg) == (positive, -negative)
 
 
 def test_dynamics_equal_the_toolbox(puma):
