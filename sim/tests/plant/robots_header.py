@@ -3,8 +3,7 @@
 
 import re
 
-from mmcs import ROOT
-from mmcs.scenario.load import load_robot
+from mmcs import ROOT, load
 
 
 def fields() -> list[str]:
@@ -17,8 +16,8 @@ def fields() -> list[str]:
 
 def header() -> str:
     lines = ["#pragma once", '#include "mmcs_sim.h"', "namespace robots {"]
-    for path in sorted((ROOT / "sim" / "robots").glob("*.toml")):
-        robot, name = load_robot(str(path))[1], path.stem
+    for name, scenario in (("lab32", "axes32"), ("lab500", "lab500"), ("puma560", "puma560")):
+        robot = load(scenario).robot
         lines.append(f"inline constexpr mmcs_motor {name}[] = {{")
         for values in robot.motors(coupled=False):
             lines.append("  {" + ", ".join(str(values[f]) for f in fields()) + "},")

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from test_plant import build
 
-from mmcs.scenario.load import load_robot
+from mmcs import load
 from tools.compiled import ran
 
 SEED = 1989
@@ -22,7 +22,7 @@ def puma():
 
 
 def test_robot_file_is_the_toolbox_robot(puma):
-    _, robot = load_robot("puma560")
+    robot = load("puma560").robot
     for axis, link, joint in zip(robot.axis, robot.link, puma.links, strict=True):
         assert np.allclose([link.alpha, link.a, link.d], [joint.alpha, joint.a, joint.d])
         xx, yy, zz, xy, yz, xz = link.inertia
