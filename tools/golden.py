@@ -20,6 +20,7 @@ VARY = {
     r"in [\d.]+ s(: real-time factor|, ).*": r"in a time\1",
     r"mmcs: (\d+ of \d+ \w+, about .* left|building .*)\n": "",
     re.escape(__version__): "VERSION",
+    rf"('(?:pid|stopped_by)': ){os.getpid()}\b": r"\1its own",
 }  # fmt: skip
 
 

@@ -213,23 +213,6 @@ def test_ctrl_c_in_a_call_harms_no_later_one(serving):
     signal.signal(signal.SIGALRM, before)
 
 
-@pytest.mark.parametrize("call", [
-    lambda d: d.set_dac(0, 5000), lambda d: d.set_dac(256, 0), lambda d: d.set_dac(-1, 0),
-    lambda d: d.set_encoder(256, 0), lambda d: d.set_encoder(0, 65536),
-    lambda d: d.set_encoder(0, 1.5), lambda d: d.write([1.5]), lambda d: d.write(["1"]),
-    lambda d: d.write([1 << 31]), lambda d: d.write([0] * 40), lambda d: d.set_leds(300, 1),
-    lambda d: d.calibrate(-1), lambda d: d.set_num_joints(None), lambda d: d.read(-1),
-    lambda d: d.set_interval(-5), lambda d: d.get_param(2), lambda d: d.get_param("0"),
-    lambda d: d.set_param(0, {"a7": 1}), lambda d: d.set_param(0, {"a0": 1e9}),
-    lambda d: d.change_param(0, which=1), lambda d: d.change_param(0, b0=0),
-    lambda d: d.write([0] * 100_000), lambda d: d.ioctl(1 << 32), lambda d: d.ioctl("MSTOP"),
-])  # fmt: skip
-def test_what_does_not_fit_is_einval(serving, call):
-    with Device() as dev, pytest.raises(OSError) as no:
-        call(dev)
-    assert no.value.errno == 22
-
-
 def test_each_call_is_its_request(serving, monkeypatch):
     made = []
     with Device() as dev:
@@ -271,9 +254,3 @@ def test_example_of_the_manual(serving, capsys):
     exec(re.search(r"```python\n(.*?)```", text, flags=re.S)[1], {})
     # however long it looked away: undamped, it comes to twice the step at most
     assert abs(int(capsys.readouterr().out)) <= 400
-
-
-@pytest.mark.parametrize("given", [1 << 32, 10**30, 1.5, None, "x"])
-def test_flags_that_are_none_are_refused(serving, given):
-    with pytest.raises(OSError, match="flags .*: must be"):
-        Device("/dev/mc0", given)

@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 
 from mmcs.scenario.identify import IdentifyError, frequency, identify
-from mmcs.scenario.synthesis import discretize, margins
-from mmcs.tool import tune
 
 
 def recording(g=150.0, lag=3.0, pos=300.0, neg=350.0, seconds=4.0, dt=1e-3, sign=1):
@@ -67,13 +65,3 @@ def test_a_measured_frequency_response_is_that_of_the_system():
     assert len(made.hz) > 20
     assert np.max(np.abs(made.gain_db - 20 * np.log10(abs(truth)))) < 0.3
     assert np.max(np.abs(made.phase_deg - np.degrees(np.angle(truth)))) < 3
-
-
-@pytest.mark.req("TOOL-1", "SYN-1")
-def test_tuned_gains_keep_a_count_quiet_and_the_loop_stable():
-    motor = identify(*recording())
-    controller, made = tune.gains(motor, 50.0, 1.0, 1e-3)
-    assert abs(made.a[0] / made.b[0]) < tune.D_PER_COUNT + controller.p + 1
-    assert controller.tau > 0
-    assert margins(made.discrete(), motor.plant, 1e-3).stable
-    assert discretize(controller, "backward", 1e-3).poles().real.min() > -0.9

@@ -65,26 +65,6 @@ def setpoints_after(link) -> list[int]:
 # --- the device ---
 
 
-@pytest.mark.req("DRV-3", "DRV-4")
-def test_the_device(link):
-    assert link.hello["protocol"] == 1 and link.hello["axes"] == 2
-    assert refused(link, "read") == (9, "the device is not open")
-    link.request("open", mode="rw")
-    assert link.request("call", request="MGETNUMCARDS")["value"] == 1
-    link.request("call", request="MSETINTERVAL", value=1000)
-    assert link.request("call", request="MGETINTERVAL")["value"] == 1000
-    assert link.request("call", request="MGETPARAM", axis=1)["param"]["ilim"] == 1024
-    hold(link)
-    link.request("write", setpoints=[50])
-    assert len(link.request("read")["states"]) == 2
-    assert link.request("call", request="MGETSTATS")["stats"]["missed"] == 0
-    assert 0 <= link.request("load", offset=0x409)["value"] <= 255
-    link.request("stop")
-    number, text = refused(link, "write", setpoints=[50])
-    assert number == 5 and "MENABLE first" in text
-    link.request("close")
-
-
 @pytest.mark.req("DRV-4", "DRV-9")
 def test_one_setpoint_leaves_the_others_and_what_an_axis_adopts(link):
     """Also that of an axis which has just entered position mode, and begins where it is."""
@@ -102,66 +82,6 @@ def test_one_setpoint_leaves_the_others_and_what_an_axis_adopts(link):
     link.request("stop")
     assert refused(link, "setpoint", axis=1, value=1)[0] == 5
     link.request("close")
-
-
-@pytest.mark.req("TOOL-1")
-def test_whatever_changes_in_the_driver_is_told(link):
-    link.request("open", mode="rw")
-    link.request("follow", samples=False, period_ms=0)
-    link.request("change", axis=1, param={"ilimax": 7})
-    event(link, "param", 1)
-    for request, value, key in (("MSETINTERVAL", 1000, "interval_us"), ("MDIAGMODE", 2, "diag"),
-                                ("MDACMODE", 1, "double_buffer"),
-                                ("MSETNUMJOINTS", 1, None)):  # fmt: skip
-        link.request("call", request=request, value=value)
-        event(link, "setting", -1)
-        assert key is None or link.request("hello")[key] == value
-    link.request("close")
-
-
-REFUSED = """
-sing 38 op {}
-do_open 38 op {}
-setpoint 22 value {"axis": 0}
-setpoint 22 value {"axis": 0, "value": 2147483648}
-setpoint 22 axis {"axis": 2, "value": 0}
-write 22 setpoints {"setpoints": [1.5]}
-write 22 setpoints {"setpoints": [2147483648]}
-write 22 setpoints {"setpoints": [0, 0, 0]}
-write 22 setpoints {}
-read 22 axes {"axes": 0}
-read 22 axes {"axes": true}
-call 25 MFLY {"request": "MFLY"}
-call 25 MC_INT {"request": "MC_INT"}
-call 25 MD_POS {"request": "MD_POS"}
-call 22 value {"request": "MSETINTERVAL"}
-change 22 a9 {"axis": 0, "param": {"a9": 1}}
-change 22 argument {"axis": 0, "param": {"b0": 0}}
-change 22 argument {"axis": 7, "param": {"b0": 1}}
-change 22 param {"axis": 0, "param": []}
-input 22 name {"name": "gravity", "value": 0}
-input 22 value {"name": "cable", "value": 7}
-input 22 index {"name": "axis_enable", "index": 2, "value": 0}
-pace 22 speed {"speed": 0}
-pace 22 speed {"speed": "1,5"}
-advance 16 pause {"seconds": 1}
-rewind 22 snapshot {"snapshot": 12345}
-ring 22 count {"every_s": 0.001, "count": 1001}
-follow 22 every {"every": 0}
-load 22 offset {"offset": 2048}
-load 5 time-out {"offset": 1032}
-lease 22 take {}
-open 16 busy {"mode": "r"}
-open 22 mode {"mode": "w"}
-"""
-
-
-def test_refusals_name_what_is_wrong(link):
-    link.request("open", mode="rw")
-    for row in REFUSED.split("\n")[1:-1]:
-        op, number, name, arguments = row.split(" ", 3)
-        was, text = refused(link, op, **json.loads(arguments))
-        assert was == int(number) and name in text, (row, was, text)
 
 
 WEB = b"GET / HTTP/1.0\r\n" + b"x" * 100
@@ -186,16 +106,6 @@ def test_an_id_that_no_reply_can_name_is_refused(bench, name):
     client.post({"op": "hello", "id": name})
     told = client.reply()
     assert told["id"] is None and told["text"] == "id: a number or a text"
-
-
-def test_the_reason_of_an_eio_is_told(serving, link):
-    """Every heartbeat of the card is dead: its front switch has nothing to do with that."""
-    link.request("open", mode="rw")
-    link.request("input", name="card_absent", value=1)
-    assert "card" in refused(link, "call", request="MENABLE")[1]
-    with Device() as dev, pytest.raises(OSError, match="card") as no:
-        dev.enable()
-    assert no.value.errno == 5
 
 
 def test_parameters_change_one_at_a_time_without_racing(serving):
@@ -271,22 +181,6 @@ def test_a_holder_who_is_silent_or_hangs_up_stops_the_machine(serving, deadman_m
 
 
 # --- operating the machine ---
-
-
-@pytest.mark.req("PAN-1")
-def test_button_and_cable_from_outside(link):
-    link.request("open", mode="rw")
-    hold(link)
-    link.request("follow", samples=False)
-    link.request("input", name="estop", value=1)
-    assert event(link, "panic")["value"] == 1
-    assert "button, cable or power" in event(link, "log")["text"]
-    assert event(link, "error")["text"] == "axis 0: hardware PANIC"
-    shown = {i["name"]: i["values"] for i in link.request("inputs")["inputs"]}
-    assert shown["estop"] == {"0": 1.0} and shown["cable"] == {}
-    link.request("input", name="estop", value=0)
-    link.request("call", request="MCLEARERROR")
-    link.request("call", request="MENABLE")
 
 
 def test_a_monitor_cannot_keep_snapshots_without_end(link):
@@ -430,13 +324,3 @@ def test_random_requests_are_answered(unsignalled, bench, part):
         client.post(asked)
         assert client.reply()["id"] == n, asked
         bench.server.machine.now.speed, bench.server.machine.now.paused = 0, False
-
-
-@pytest.mark.req("DRV-5")
-def test_console_lines_reach_who_listens(serving, link):
-    link.request("follow", samples=False)
-    with Device() as dev:
-        dev.set_verbosity(mcdef.M_VERBOSE)
-        assert dev.verbosity() == mcdef.M_VERBOSE
-        assert event(link, "log")["text"] == "mc: cards: 1"
-    assert os.getpid() in [c["pid"] for c in link.request("clients")["clients"]]

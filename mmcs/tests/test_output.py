@@ -23,6 +23,7 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
 from mmcs.sweeps import campaign, campaign_report, classes, faults
 from mmcs.tests.conftest import call
+from mmcs.tests.talks import TALKS
 from mmcs.tests.test_identify import recording
 from mmcs.tests.test_tool import PD, TOOK
 from mmcs.tool import judge, tune
@@ -195,6 +196,7 @@ VALUES = {
                                         0.1),
     "stimulus": lambda _: [list(lockstep.stranger(7, 3, 6, 200, {"a": 4, "b": 1})),
                            shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
+    **TALKS,
 }  # fmt: skip
 
 

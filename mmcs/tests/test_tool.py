@@ -5,7 +5,6 @@ import asyncio
 import base64
 import io
 import json
-import math
 import socketserver
 import sys
 import urllib.error
@@ -21,10 +20,9 @@ from mmcs import ROOT
 from mmcs.device.client import Device
 from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
-from mmcs.scenario.identify import Motor
 from mmcs.tests.conftest import one_clear_line
 from mmcs.tests.device_bench import write_scenario
-from mmcs.tool import gateway, judge, launch, pages
+from mmcs.tool import gateway, launch, pages
 from mmcs.tool.advisor import Advisor
 from mmcs.tool.launch import _end, _serve
 from mmcs.tool.stopper import Button
@@ -161,21 +159,6 @@ def test_a_page_too_slow_to_answer_a_ping_is_not_hung_up_on(monkeypatch):
     played(echo, play, ping_interval=None)
 
 
-def test_the_designer_refuses_numbers_out_of_all_proportion():
-    """An interval of 1 ns took for ever; NaN in a reply is nothing that a page can read."""
-    param = {f"{letter}{n}": 0 for letter in "ab" for n in range(3)}
-    about = {"op": "predict", "motor": {"g": 100, "lag": 0.01}}
-    about["param"] = param | {"a0": 5, "b0": 80}
-    bad = [{"interval_s": t} for t in (0, -1, 1e-9, 1e300, math.nan)]
-    bad += [{"interval_s": 0.001, key: value} for key, value in (
-        ("motor", {"g": math.nan, "lag": 0}), ("param", about["param"] | {"b0": 1e300}),
-        ("param", about["param"] | {"b0": 0}), ("step", math.inf))]  # fmt: skip
-    told = advise(*({"id": n, **about, **b} for n, b in enumerate(bad)), {"id": math.nan})
-    assert [t["id"] for t in told] == [*range(len(bad)), None]
-    assert all(t["error"] and "Error" not in t["error"] for t in told)
-    assert advise({"id": 1, **about, "interval_s": 0.001})[0]["stable"]
-
-
 @pytest.mark.req("TOOL-1")
 def test_a_machine_waits_for_nobody_to_hear_the_driver(mc0, tmp_path):
     """It said so much that a pipe that nobody reads is full: not even STOP would come through."""
@@ -240,24 +223,6 @@ def test_a_port_in_use_is_one_line(mmcs, mc0, tmp_path, monkeypatch):
 
 PD = {"a0": 4526, "a1": -4416, "a2": 0, "b0": 64, "b1": 0, "b2": 0, "ic_pos": 0, "ic_neg": 0,
       "ilim": 1024, "mode": 1}  # fmt: skip
-
-
-@pytest.mark.req("TOOL-1", "SYN-1")
-def test_a_predicted_step_knows_limit_and_friction():
-    motor = Motor(1450.0, 0.3, 100.0, 100.0, 1.0)
-
-    def rise(**changes) -> float | None:
-        return judge.predict(motor, PD | changes, 0.001, 200, 1.0, 140.0)["rise_ms"]
-
-    compensated = {"mode": 0x11, "ic_pos": 100, "ic_neg": 100}
-    free, bound = rise(**compensated), rise(**compensated, ilim=150)
-    assert free is not None and bound is not None and bound > 1.1 * free
-    off = judge.predict(motor, PD, 0.001, 200, 1.0, 140.0)["steady_error_counts"]
-    assert 0 < off <= 140 / ((PD["a0"] + PD["a1"]) / PD["b0"]) + 1  # friction holds it off
-    assert rise(ilim=90) is None  # less than the friction: it stays where it is
-    turned, law = Motor(-1450.0, 0.3, -100.0, -100.0, 1.0), PD | {"a0": -4526, "a1": 4416}
-    back = judge.predict(turned, law, 0.001, 200, 1.0, 140.0)
-    assert back["steady_error_counts"] == pytest.approx(off, abs=1)
 
 
 TOOK = {"rise_ms": 50.0, "overshoot_pct": 1.0, "settle_ms": 100.0, "steady_error_counts": 1.0}
