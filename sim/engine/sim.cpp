@@ -185,7 +185,7 @@ uint64_t mmcs_sim_register(mmcs_sim *sim, int32_t reg) {
 int mmcs_sim_phases(const mmcs_sim *sim, mmcs_phase *phases, int n) {
   static const char *const names[] = {"latency", "pass",  "enter",  "read",
                                       "compute", "write", "publish"};
-  const mmcs::Phases *found = sim->host.phases();
+  const mmcs::Phases *found = sim ? sim->host.phases() : nullptr;
   if (!found) return 0;
   int count = 0;
   for (const auto &time : found->times()) {

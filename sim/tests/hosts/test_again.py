@@ -5,13 +5,13 @@ import json
 import re
 from pathlib import Path
 
+import needed
 import pytest
-from needed import needs
 
 from mmcs import ROOT, Session, hosts, load, machine, waves
 from mmcs.tests.conftest import call
 
-pytestmark = needs("m68020")
+pytestmark = needed.m68020
 
 
 @pytest.fixture

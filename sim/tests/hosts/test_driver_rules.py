@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules of the driver on the machine in RTL, natively and on the 68020. §2.3"""
 
+import needed
 import pytest
-from needed import needs
 
 from mmcs import load, machine, mcdef, regs
 
-HOSTS = ["native", pytest.param("m68020", marks=[pytest.mark.slow, needs("m68020")])]
+HOSTS = ["native", pytest.param("m68020", marks=[pytest.mark.slow, needed.m68020])]
 
 
 def bench(host, scenario="puma560", **keys):

@@ -5,15 +5,15 @@ import contextlib
 from itertools import product
 from pathlib import Path
 
+import needed
 import pytest
-from needed import needs
 
 from mmcs import ROOT, RunError, Session, hosts, load, machine, make_report, mcdef, simulate
 from tools.compiled import compiled, ran, written
 
 pytestmark = [
     pytest.mark.slow,  # six axes for two seconds, and firmware that is compiled anew
-    needs("m68020"),
+    needed.m68020,
     pytest.mark.req("FW-1"),
 ]
 PANIC_S = 0.050

@@ -2,10 +2,7 @@
 // The coupled arm: friction that holds, stops, energy, brakes, flexible axes.
 #include "arm.h"
 
-#include <cstddef>
-#include <cstring>
 
-#include "axis.h"
 #include "bench.h"
 #include "check.h"
 #include "contact.h"
@@ -168,31 +165,6 @@ TEST(links_that_stand_keep_their_place_to_the_bit) {
 }
 
 // Nothing that was calculated before a restored state has a say in what follows.
-TEST(a_restored_arm_goes_on_as_one_that_was_there) {
-  auto plant = bench::puma_arm(bench::puma_rotors()), other = bench::puma_arm(bench::puma_rotors());
-  run(*plant, 0.0, 0.1);
-  const auto saved = plant->save();
-  run(*plant, 0.0, 0.1);
-  other->restore(saved);
-  plant->restore(saved);
-  run(*plant, 0.0, 0.1);
-  run(*other, 0.0, 0.1);
-  CHECK(plant->save() == other->save(), "the future depends on more than the state");
-  // at the same angles with other speeds
-  auto still = saved;
-  for (size_t i = 0; i < kN; ++i) {
-    std::memset(&still[i * sizeof(mmcs::AxisState) + offsetof(mmcs::AxisState, qd)], 0, 8);
-  }
-  plant->restore(saved);
-  run(*plant, 0.0, bench::kStepS);
-  plant->restore(still);
-  run(*plant, 0.0, 0.1);
-  other->restore(still);
-  run(*other, 0.0, 0.1);
-  CHECK(plant->save() == other->save(), "speeds of before are kept");
-}
-
-// Swinging without friction: kinetic plus potential energy stay.
 TEST(energy_of_a_free_arm_is_kept) {
   const auto motors = bench::free_rotors();
   auto plant = bench::puma_arm(motors);

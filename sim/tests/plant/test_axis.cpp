@@ -78,6 +78,9 @@ const Row kRows[] = {
     {"friction backward", rubs, nullptr, 0, -2, 0.1, kOn, kOn, speed, -80, 1e-6},
     {"brake stuck open", braked, "brake_stuck", 1, 0, 0.1, kOff, kOn, speed, -100, 1e-6},
     {"brake stuck closed", braked, "brake_stuck", 2, 5, 0.1, kOn, kOn, speed, 0, 0},
+    {"load that holds it", nullptr, "load_torque", 0.05, 1, 0.1, kOn, kOn, speed, 0, 0},
+    {"load that it lifts", nullptr, "load_torque", 0.05, 2, 0.1, kOn, kOn, speed, 50, 1e-6},
+    {"jam", nullptr, "motor_jam", 1, 5, 0.1, kOn, kOn, speed, 0, 0},
 };
 
 }  // namespace
@@ -186,20 +189,6 @@ TEST(stops_end_the_motion_exactly) {
       CHECK(plant->angle(0) != end, "does not leave the stop");
     }
   }
-}
-
-TEST(load_torque_and_jam) {
-  mmcs_motor m = ideal();
-  auto plant = bench::alone(m);
-  plant->set_input(input("load_torque"), -1, 0.05);
-  run(*plant, 1.0, 0.1);  // 0.05 N m against it
-  CHECK(plant->velocity(0) == 0.0, "%g", plant->velocity(0));
-  plant->set_input(input("load_torque"), 0, 0.0);
-  run(*plant, 1.0, 0.1);
-  CHECK(plant->velocity(0) > 0.0, "does not move");
-  plant->set_input(input("motor_jam"), 0, 1.0);
-  run(*plant, 1.0, 0.001);
-  CHECK(plant->velocity(0) == 0.0, "turns although jammed");
 }
 
 TEST(potentiometer_noise_and_cut) {
@@ -329,14 +318,4 @@ TEST(saved_state_has_the_same_future) {
     } catch (const std::invalid_argument &) {
     }
   }
-}
-
-TEST(motor_that_panic_cuts_off_coasts) {
-  mmcs_motor m = ideal();
-  m.v_supply = 40.0;
-  auto plant = bench::alone(m);
-  run(*plant, 5.0, 0.01);
-  const double before = plant->velocity(0);
-  run(*plant, 5.0, 0.02, true, false);
-  CHECK(std::abs(plant->velocity(0) / before - 1.0) < 1e-9, "%.15g", plant->velocity(0) / before);
 }

@@ -178,17 +178,6 @@ TEST(cut_wires_stop_the_count) {
   CHECK((bench::alone(without)->pins(0) & 4) == 0, "index of an encoder that has none");
 }
 
-TEST(swapped_wires_count_backwards) {
-  auto plant = bench::alone(wheel());
-  plant->set_input(input("encoder_swap"), 0, 1.0);
-  bench::run(*plant, 0.0, bench::kStepS);
-  bench::Counter counter(*plant);
-  push(*plant, 50.0, counter);
-  coast(*plant, counter, 400);
-  CHECK(counter.count(0) < -50 && counter.count(0) == -plant->count(0), "%d counts",
-        counter.count(0));
-}
-
 TEST(glitches_come_at_their_rate_and_by_seed) {
   const auto edges_of = [](uint64_t seed) {
     auto plant = bench::alone(wheel(), seed);
@@ -222,17 +211,6 @@ TEST(glitches_come_at_their_rate_and_by_seed) {
     }
     CHECK(still->pins(0) == sound, "pins %u after pulse %d", still->pins(0), k);
   }
-}
-
-TEST(slipped_disc_shifts_the_count) {
-  auto plant = bench::alone(wheel());
-  bench::Counter counter(*plant);
-  plant->set_input(input("encoder_slip"), 0, 37.0);
-  coast(*plant, counter, 2);
-  CHECK(counter.count(0) == 37 && plant->angle(0) == 0.0, "%d counts", counter.count(0));
-  plant->set_input(input("encoder_slip"), 0, 0.0);
-  coast(*plant, counter, 2);
-  CHECK(counter.count(0) == 0, "%d counts", counter.count(0));
 }
 
 // Own sine and cosine against the C library's, which is good to an ulp or so.

@@ -7,17 +7,21 @@ covers the results and the state of six axes after every tick.
 """
 
 import functools
+import importlib.util
 import os
 import re
 import tomllib
 
 import pytest
-from needed import needs
+from test_processors import missing
 
 from mmcs import ROOT
 from studies.processors import cycles as bench
 
-pytestmark = needs("m68020", "riscv64-unknown-elf-gcc", "unicorn", by="make test")
+pytestmark = pytest.mark.skipif(
+    missing or not importlib.util.find_spec("machine68k"),
+    reason="a cross compiler or a processor model is missing; install them with: make test",
+)
 
 TICKS = 10_000 if os.environ.get("MMCS_FAMILY") == "all" else 2_000
 RAM_BYTES = 0x20000

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Clients of a served machine in a random dialogue: each answer and each message as ever."""
+
+import math
+import random
+import zlib
+
+import pytest
+from machines import machine
+
+from mmcs import mcdef
+from mmcs.engine.script import Serving, _lines
+
+STEPS, PARTS, BIG = 6000, 16, 1 << 31
+# Of the answers of each part of the steps. Who means to change them puts in what the test shows.
+AS_EVER = "440a 431f 321f 8522 78e3 58d7 5b72 cd37 d710 ca47 a1cd 3511 3d44 4747 79a1 9191"
+CALLS = [*mcdef.requests(), *["MENABLE"] * 8, *["MCLEARERROR"] * 3, "MFLY"]
+LAST = [1, 1, 2, 3, 9, None]
+PARAMS = [
+    {"a0": 9000}, {"mode": 17, "b0": 64, "a0": 7309, "a1": -7027}, {"ilim": BIG}, {"b0": 0}, {},
+    {"plo": -50, "phi": 50, "mode": 17 + mcdef.POSCHK}, {"a9": 1}, {"which": 1},
+]  # fmt: skip
+# What is asked, with which arguments: valid ones, bounds, and those beside them.
+BARE = "hello alive clients inputs machine close stop snapshot snapshots unfollow sing"
+ASKED = {
+    **dict.fromkeys(BARE.split(" "), {}), "name": {"name": ["mctool", 'a "b"\\', "", "\x7fé", 5]},
+    "open": {"mode": ["rw", "rw", "rw", "r", "w"]}, "read": {"axes": [0, 1, 2, 3, True]},
+    "write": {"setpoints": [[50, -60], [70], [90, 0], [], [1, 2, 3], [1.5], [BIG - 1, -BIG], [BIG],
+                            7]},
+    "setpoint": {"axis": [0, 1, 0, 1, 2, -1], "value": [40, -400, 7, BIG - 1, -BIG, BIG, -BIG - 1]},
+    "call": {"request": CALLS, "value": [0, 1, 2, 500, 1000, None, -BIG, 2 * BIG - 1, 2 * BIG],
+             "axis": [0, 1, 0, 1, 2, 255, 256, None], "param": PARAMS},
+    "change": {"axis": [0, 1, 0, 1, 2, 256], "param": PARAMS},
+    "load": {"offset": [1, 0x409, 0x441, 8, 0, 2047, 2048]},
+    "store": {"offset": [1, 0x409, 0x41, 2047, 2048], "value": [0, 0x18, 255, 256]},
+    "lease": {"give": [None, None, None, 99, 3], "drop": [False, False, True],
+              "take": [True, False], "deadman_ms": [50, 60, 90, 600000, None, 49, 600001]},
+    "input": {"name": ["estop", "estop", "axis_enable", "cable", "pot_noise", "motor_jam",
+                       "seu_pccsr", "gravity"],
+              "index": [0, 0, 1, 2, -1], "value": [0, 0, 1, 1, 2, 0.5, -1, 1e9]},
+    "pace": {"speed": [1e-6, 0.5, 1e6, 1.1e6, 0, None], "paused": [True, False, False, 1]},
+    "advance": {"seconds": [0, 0.01, 0.02, 10.5]}, "drop": {"snapshot": LAST},
+    "ring": {"every_s": [0.001, 0.01, 0.01, 3600, 0.0009, 3601], "count": [1, 5, 5, 1000, 0, 1001]},
+    "export": {"snapshot": LAST}, "rewind": {"snapshot": LAST, "t": [0.1, 0.1, 0.1, 1e9, 1e10]},
+    "follow": {"samples": [True, False], "events": [True, False], "every": [1, 3, 1000000, 0],
+               "period_ms": [0, 20, 10001], "past": [0, 10, 10, 8192, 8193]},
+}  # fmt: skip
+OFTEN = "call call call call change write setpoint setpoint read lease lease follow input"
+ODD = [None, True, "", "1", 1.5, [], {}, {"a": {"b": 1}}, [[1]]]
+
+
+class Carrier(Serving):
+    """Has the clients, sockets apart, and a clock of its own."""
+
+    def __init__(self, sim, chance):
+        super().__init__(sim)
+        self.chance, self.time, self.mine = chance, 0.0, {}
+
+    def ask(self, who):
+        chance, lib, ffi = self.chance, self._lib, self._ffi
+        op = chance.choice([*ASKED, *OFTEN.split(" ") * 2])
+        if op == "close" or not who.device:
+            op = chance.choice([op, "open"])
+        asked = {"op": op}
+        for name, values in ASKED[op].items():
+            if chance.random() < 0.8:
+                asked[name] = chance.choice(chance.choice([values] * 29 + [ODD]))
+        if asked.get("give") == 3:
+            asked["give"] = chance.choice([*self.mine.values()]).number
+        if asked.get("t") == 0.1:
+            asked["t"] = self.sim.time - 0.1
+        if isinstance(asked.get("snapshot"), int):  # from the last one on backwards
+            there = [one["id"] for one in self.sim.snapshots()] or [7]
+            asked["snapshot"] = there[-asked["snapshot"] % len(there)]
+        flat = "".join(f"{line}\n" for line in _lines(asked)).encode(errors="replace")
+        held = chance.choice([ffi.NULL] * 9 + [ffi.new("char[]", b"not now")])
+        only_check = chance.random() < 0.1
+        reply = lib.mmcs_server_request(self.now, who, self.time, flat, only_check, held)
+        if self.now.target >= 0 and chance.random() < 0.8:
+            self.sim.run(self.now.target / 8e6)
+            self.now.target = -1
+        return asked, only_check, ffi.string(reply)
+
+    def carry(self, number, who):
+        """What comes by other ways than the messages."""
+        chance, what = self.chance, self.chance.randrange(8)
+        if what == 0 and chance.random() < 0.3:
+            self.leave(self.mine.pop(number))
+        elif what == 1:
+            device = chance.choice([b"/dev/mc0", b"/dev/vme16", b"/dev/mc1"])
+            return device, self.open(who, device, chance.choice([0, 1, 2, 2, 0o4002]))
+        elif what == 2 and who.device == 1:
+            code = mcdef.requests()[chance.choice(CALLS[:-1])].code
+            return code, self.server_ioctl(who, code, bytes([chance.randrange(3), 0, 0, 0]))
+        elif what == 3 and who.device == 1:
+            return self._lib.mmcs_server_write(self.now, who, self._ffi.new("int[]", [9, 8]), 8)
+        elif what == 4 and who.device == 2:
+            address = 0x6000 + chance.choice([0x409, 0x441, 1, 8, 0x7FF, 0x800, -1])
+            return address, self.bus(who, address, 1, chance.choice([None, b"\x18"]))
+        elif what == 5:
+            return self._lib.mmcs_server_check(self.now, self.time)
+        elif what == 6:
+            return self.held(who), self.said_since(max(0, self.sim.tap_head()[1] - 9))
+        elif what == 7:
+            when = chance.choice([self.sim.time, math.nan, 1e300, self.sim.time + 0.001])
+            given = chance.choice([3, 3, -1, 9999]), chance.choice([-2, -1, 0, 1, 2])
+            event = self._ffi.new(
+                "mmcs_event *", (when, *given, chance.choice([0, 1, 2, -math.inf, math.nan]))
+            )
+            return self._lib.mmcs_sim_add_event(self.sim.handle, event), self.sim.notes()[-1:]
+        return None
+
+    def step(self):
+        chance = self.chance
+        self.time += chance.choice([0.001, 0.01, 0.04])
+        number = chance.randrange(4)
+        if number not in self.mine:
+            self.mine[number] = self.enter(chance.choice(["device", "message"]), 700 + number, "me")
+        who = self.mine[number]
+        who.heard = self.time if chance.random() < 0.9 else who.heard
+        told = self.ask(who) if chance.random() < 0.7 else self.carry(number, who)
+        streams = [zlib.crc32(self.stream(one, self.time)) for one in self.mine.values()]
+        if not self.now.paused:
+            self.sim.run(self.sim.time + chance.choice([1e-6, 3e-4, 2e-3]))
+        state = [(c.device, c.driver, c.flags, c.writes, c.number) for c in self.mine.values()]
+        state += [self.now.opens, self.now.stopped_by, self.now.target, self.now.speed]
+        return number, told, streams, state, self.sim.clock, self.sim.hash()
+
+
+@pytest.mark.req("API-1")
+def test_a_dialogue_is_as_ever():
+    with machine() as sim:
+        carrier = Carrier(sim, random.Random(1989))
+        steps = [str(carrier.step()) for _ in range(STEPS)]
+    each, parts = STEPS // PARTS, []
+    for n in range(0, STEPS, each):
+        parts.append(f"{zlib.crc32(str(steps[n : n + each]).encode()) & 0xFFFF:04x}")
+    assert " ".join(parts) == AS_EVER, "the first part that differs begins a story of its own"
