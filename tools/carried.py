@@ -27,12 +27,6 @@ class Bad(Exception):
     """The table names what the netlist does not have."""
 
 
-def parts() -> list[str]:
-    """All modules that have a cache."""
-    boards = RULES["boards"]
-    return list(dict.fromkeys((*boards, *RULES["chips"])))
-
-
 @dataclass(frozen=True)
 class Register:
     """A named register of the flattened part."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs an installer so that a reader sees what it does: tools/fetch.py WHAT COMMAND...
 
-uv and npm get what pip is configured with (index, certificate, proxy), and the certificates of the
-system. Every ten seconds a line tells how long it runs and what it said last. If it fails, its last
-lines and a remedy end it, with status 2.
+uv and libraries.py get what pip is configured with (index, certificate, proxy), uv the certificates
+of the system. Every ten seconds a line tells how long it runs and what it said last. If it fails,
+its last lines and a remedy end it, with status 2.
 """
 
 import argparse
@@ -17,18 +17,18 @@ from collections import deque
 
 EVERY_S = 10.0
 LAST = 12  # lines of an installer that failed
-# Setting of pip: variables of uv, npm and what they are made of.
+# Setting of pip: variables of uv and of Python.
 SETTINGS = {
     "index-url": ["UV_DEFAULT_INDEX"],
     "extra-index-url": ["UV_INDEX"],
     "find-links": ["UV_FIND_LINKS"],
     "trusted-host": ["UV_INSECURE_HOST"],
-    "cert": ["SSL_CERT_FILE", "NODE_EXTRA_CA_CERTS"],
+    "cert": ["SSL_CERT_FILE"],
     "proxy": ["HTTPS_PROXY", "HTTP_PROXY"],
     "default-timeout": ["UV_HTTP_TIMEOUT"],
     "timeout": ["UV_HTTP_TIMEOUT"],
 }
-ALWAYS = {"UV_SYSTEM_CERTS": "1", "NODE_USE_SYSTEM_CA": "1"}
+ALWAYS = {"UV_SYSTEM_CERTS": "1"}
 REMEDIES = [  # words of a failure, what to do
     (("certificate", "self-signed", "self signed", "unknownissuer", "tls"),
      "a proxy has its own certificate: install it in the system, or"

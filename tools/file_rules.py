@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rules for files as files: licence line, length, README's shape."""
+"""Rules for files as files: licence line, length, README's shape; and those of rtl_rules.py."""
 
 import argparse
 import subprocess
 import sys
 from pathlib import Path
+
+from tools import rtl_rules
 
 ROOT = Path(__file__).resolve().parent.parent
 # Whatever writes a file, a person reads it: nobody is exempt from the length for being generated.
@@ -25,7 +27,7 @@ def tracked(*patterns: str) -> list[str]:
 
 def main() -> int:
     argparse.ArgumentParser(description=__doc__).parse_args()
-    found = []
+    found = rtl_rules.complaints(ROOT)
     for name in tracked():
         path = ROOT / name
         if path.suffix not in CODE | PAGES:

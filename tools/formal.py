@@ -89,13 +89,14 @@ def text(file: Path) -> str:
     """The group as SymbiYosys reads it."""
     found = {f.name: f for name in ("rtl", "checkers") for f in sources(name, Path(), True)}
     found |= {f.name: Path("formal", f.name) for f in (ROOT / "formal").glob("*.sv*")}
-    own, lines = file.read_text(), []
+    own, lines, rules = file.read_text(), [], carried.RULES
     if "[options]\n" not in own:
         raise SystemExit(f"formal: {file.name} has no [options]: write its depths there")
     if "[tasks]" not in own:
         own = own.replace("[options]", f"{TASKS}\n\n[options]", 1)
     for line in own.replace("{strobes}", STROBES).splitlines():
-        for word, every in (("{part}", carried.parts()), ("{card}", carried.RULES["selected"])):
+        for word, every in (("{part}", dict.fromkeys((*rules["boards"], *rules["chips"]))),
+                            ("{card}", rules["selected"])):  # fmt: skip
             if word in line:
                 lines += [line.replace(word, name) for name in every]
                 break
@@ -196,9 +197,9 @@ def slow(file: Path) -> list[str]:
     return re.findall(r"^# slow task (\w+):", file.read_text(), re.M)
 
 
-def prove(files: list[Path], task: str, fast: bool = False) -> list[Result]:
+def prove(files: list[Path], fast: bool) -> list[Result]:
     """All tasks of the files, two at a time, each printed as it ends."""
-    jobs = [(f, t) for f in files for t in tasks(f) if task in t and not (fast and t in slow(f))]
+    jobs = [(f, t) for f in files for t in tasks(f) if not (fast and t in slow(f))]
     results = []
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
         for result in pool.map(lambda j: run(*j), jobs):
@@ -258,7 +259,6 @@ def main() -> int:
     )
     parser.add_argument("--fast", action="store_true", help="without the tasks marked slow")
     parser.add_argument("--only", default="", metavar="TEXT")
-    parser.add_argument("--task", default="", metavar="TEXT")
     parser.add_argument("--doc", action="store_true")
     args = parser.parse_args()
     missing = [tool for tool in NEEDED if not shutil.which(tool)]
@@ -272,7 +272,7 @@ def main() -> int:
     if args.doc:
         committed(FOLDERS)
     started = time.monotonic()
-    results = prove(files, args.task, args.fast)
+    results = prove(files, args.fast)
     took = time.monotonic() - started
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = used.ru_utime + used.ru_stime
@@ -282,7 +282,7 @@ def main() -> int:
         f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
         f" {len(results)} tasks pass, {took:.0f} s, processors {cpu:.0f} s"
     )
-    if args.doc and not (args.only or args.task or args.fast):
+    if args.doc and not (args.only or args.fast):
         write_doc(files, results, cpu)
     return 1 if bad else 0
 

@@ -33,21 +33,21 @@ def plain(text: str, *folders: Path) -> str:
     return text
 
 
-def kept() -> dict[str, list[str]]:
-    rows = (line.partition(": ") for line in FILE.read_text().splitlines())
+def kept(file: Path) -> dict[str, list[str]]:
+    rows = (line.partition(": ") for line in file.read_text().splitlines())
     return {name: digests.split() for name, _, digests in rows}
 
 
-def same(name: str, text: str) -> None:
+def same(name: str, text: str, file: Path = FILE) -> None:
     """Fails with those parts of the text that were not there before."""
     lines = text.splitlines()
     each = max(1, -(-len(lines) // MOST))
     parts = ["\n".join(lines[n : n + each]) for n in range(0, len(lines), each)]
     now = [f"{zlib.crc32(part.encode()) & 0xFFFF:04x}" for part in parts]
     if os.environ.get("MMCS_WRITE"):
-        rows = sorted((kept() | {name: now}).items())
-        FILE.write_text("".join(f"{key}: {' '.join(digests)}\n" for key, digests in rows))
-    if (before := kept().get(name)) == now:
+        rows = sorted((kept(file) | {name: now}).items())
+        file.write_text("".join(f"{key}: {' '.join(digests)}\n" for key, digests in rows))
+    if (before := kept(file).get(name)) == now:
         return
     found = difflib.SequenceMatcher(a=before or [], b=now, autojunk=False).get_opcodes()
     new = [part for tag, _, _, a, b in found if tag != "equal" for part in parts[a:b]]

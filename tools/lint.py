@@ -106,7 +106,6 @@ def checks() -> list[tuple[str, list[str]]]:
         ("registers fresh", "rtl/regs/generate.py --check"),
         ("requirements covered", "tools/trace.py"),
         ("file rules", "tools/file_rules.py"),
-        ("rtl rules", "tools/rtl_rules.py"),
     ):
         jobs.append((name, [sys.executable, *words.split()]))
     untidy = ("sim/tests", "firmware/tests", "firmware/examples", "bridges", "studies")

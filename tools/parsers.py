@@ -97,33 +97,39 @@ def _grid() -> Parser:
 # --- what comes over sockets: nothing at all may come out of it --------------------------------
 
 
-class _Served:
-    """A server whose connections are given bytes by hand; their answers go nowhere."""
+def _packets(folder: Path, name: str, good: bytes, kind, cut, first: bytes = b"") -> Parser:
+    """Of a server's connections of this kind, which are given packets by hand as `cut` makes them
+    of an input; their answers go nowhere. first: for one that stays open, in whatever state inputs
+    leave it."""
+    from mmcs import load, machine
+    from mmcs.device.server import Server
 
-    def __init__(self, folder: Path, name: str):
-        from mmcs import load, machine
-        from mmcs.device.server import Server
+    servers: list[Server] = []
 
-        text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
-        setup = load(_written(folder / f"{name}.toml", text))
-        self.server = Server(machine(setup), folder / name / "mc0.sock", None)
-
-    def connect(self, kind):
+    def feed(*packets: bytes):
         mine, theirs = socket.socketpair()
         mine.close()  # what is sent there is lost
-        return kind(theirs, self.server)
-
-    def feed(self, connection, *packets: bytes) -> None:
+        connection = kind(theirs, servers[0])
+        connection.ended = False
         connection._send, connection.flush = lambda packet: None, lambda: None
         for packet in packets:
             connection.take = lambda packet=packet: packet
             connection.receive()
             while connection.has_request() and not connection.busy:  # that is answered later
                 connection.serve(nested=False)
+        return connection
 
-    def end(self, connection) -> None:
+    def take(data: bytes) -> None:
+        if not servers:
+            text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
+            setup = load(_written(folder / f"{name}.toml", text))
+            servers.append(Server(machine(setup), folder / name / "mc0.sock", None))
+            feed(*[first] * bool(first))
+        connection = feed(*cut(data))
         connection.close()
         connection.leave()
+
+    return Parser(name, good, take, ())
 
 
 def _wire(folder: Path) -> Parser:
@@ -131,40 +137,23 @@ def _wire(folder: Path) -> Parser:
     from mmcs.device import wire
     from mmcs.device.programs import Program
 
-    served: list[_Served] = []
-
     def request(op, a, data=b""):
         return wire.REQUEST.pack(wire.MAGIC, op, 1, a, 0, len(data), 1) + data
 
-    def take(data: bytes) -> None:
-        if not served:
-            served.append(_Served(folder, "wire"))
-            file = served[0].connect(Program)  # stays open, in whatever state inputs leave it
-            served[0].feed(file, request(wire.OPEN, 2, b"/dev/mc0"))
-        channel = served[0].connect(Program)
-        served[0].feed(channel, *(b"MMC1" + rest
-                                  for rest in data.split(b"MMC1")[1:]))  # fmt: skip
-        served[0].end(channel)
+    def cut(data):
+        return [b"MMC1" + rest for rest in data.split(b"MMC1")[1:]]
 
     good = request(wire.READ, 56) + request(wire.WRITE, 0, bytes(4))
     good += request(wire.IOCTL, mcdef.MSETINTERVAL, struct.pack("<I", 1000))
     good += request(wire.IOCTL, mcdef.MLEASE, bytes([1, 0, 0, 0]))
-    return Parser("wire", good, take, ())
+    return _packets(folder, "wire", good, Program, cut, request(wire.OPEN, 2, b"/dev/mc0"))
 
 
 def _messages(folder: Path) -> Parser:
     from mmcs.device.messages import LENGTH, Messenger
 
-    served: list[_Served] = []
-
-    def take(data: bytes) -> None:
-        if not served:
-            served.append(_Served(folder, "messages"))
-        link = served[0].connect(Messenger)
-        link.ended = False
-        for text in data.split(b"\n"):
-            served[0].feed(link, LENGTH.pack(len(text)) + text if text else b"")
-        served[0].end(link)
+    def cut(data):
+        return [LENGTH.pack(len(text)) + text if text else b"" for text in data.split(b"\n")]
 
     asked = [
         {"id": 1, "op": "open", "mode": "rw"},
@@ -176,22 +165,17 @@ def _messages(folder: Path) -> Parser:
         {"id": 7, "op": "snapshot"},
         {"id": 8, "op": "rewind", "t": 0.1},
     ]
-    return Parser("messages", b"\n".join(json.dumps(a).encode() for a in asked), take, ())
+    good = b"\n".join(json.dumps(a).encode() for a in asked)
+    return _packets(folder, "messages", good, Messenger, cut)
 
 
 def _stop(folder: Path) -> Parser:
     from mmcs.device.stop import Stop
 
-    served: list[_Served] = []
+    def cut(data):
+        return [data[n : n + 64] for n in range(0, len(data), 64)]
 
-    def take(data: bytes) -> None:
-        if not served:
-            served.append(_Served(folder, "stop"))
-        line = served[0].connect(Stop)
-        served[0].feed(line, *(data[n : n + 64] for n in range(0, len(data), 64)))
-        served[0].end(line)
-
-    return Parser("stop", b"state\nstop\npress\nrelease\n", take, ())
+    return _packets(folder, "stop", b"state\nstop\npress\nrelease\n", Stop, cut)
 
 
 # --- damage --------------------------------------------------------------------------------------

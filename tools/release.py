@@ -2,7 +2,7 @@
 """`make release`: wheel and sdist into dist/, both tried outside the checkout, a lab sheet too.
 
 Each is installed into an empty environment in a folder of its own, with no way to the checkout, and
-runs `mmcs run SCENARIO` there, with no network where the system lets us take it away. Both runs
+runs `mmcs run puma560` there, with no network where the system lets us take it away. Both runs
 must have the hash that the checkout's own run has.
 """
 
@@ -20,6 +20,7 @@ from mmcs import __version__
 
 ROOT = Path(__file__).resolve().parent.parent
 LOCK = ROOT / "requirements.lock"
+DIST, SCENARIO = ROOT / "dist", "puma560"
 UV = [sys.executable, "-m", "uv"]
 
 
@@ -59,7 +60,7 @@ def hash_of(folder: Path) -> str:
     return json.loads((folder / "report.json").read_text())["hash"]
 
 
-def tried(package: Path, scenario: str, folder: Path) -> str:
+def tried(package: Path, folder: Path) -> str:
     """The hash of a run of the package, installed into an empty environment in the folder."""
     venv = folder / "venv"
     run([*UV, "venv", "-q", "--python", sys.executable, venv])
@@ -69,41 +70,35 @@ def tried(package: Path, scenario: str, folder: Path) -> str:
     run([*install, "--no-deps", package])
     env = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "VIRTUAL", "MMCS"))}
     env |= {"XDG_CACHE_HOME": str(folder / "cache"), "PATH": "/usr/lib/ccache:/usr/bin:/bin"}
-    run([*alone(), venv / "bin" / "mmcs", "run", scenario], cwd=folder, env=env)
+    run([*alone(), venv / "bin" / "mmcs", "run", SCENARIO], cwd=folder, env=env)
     answer = ROOT / "labs" / "mmcs_labs" / "01_velocity" / "tests" / "good.toml"
     run([*alone(), venv / "bin" / "mmcs", "lab", "check", "1", answer], cwd=folder, env=env)
     where = run([venv / "bin" / "python", "-c", "import mmcs; print(mmcs.ROOT)"], cwd=folder)
     if not Path(where.strip()).is_relative_to(folder):
         raise SystemExit(f"release: {package.name} runs the code in {where.strip()}")
-    return hash_of(folder / "runs" / scenario)
+    return hash_of(folder / "runs" / SCENARIO)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenario", default="puma560")
-    parser.add_argument("--dist", type=Path, default=ROOT / "dist")
-    arguments = parser.parse_args()
+def main() -> None:
+    argparse.ArgumentParser(description=__doc__).parse_args()
     told = versions()
     if len(set(told.values())) > 1:
-        print(f"release: versions differ: {told}", file=sys.stderr)
-        return 1
-    shutil.rmtree(arguments.dist, ignore_errors=True)
-    run([*UV, "build", "-q", "-b", LOCK, "--out-dir", arguments.dist, ROOT])
+        raise SystemExit(f"release: versions differ: {told}")
+    shutil.rmtree(DIST, ignore_errors=True)
+    run([*UV, "build", "-q", "-b", LOCK, "--out-dir", DIST, ROOT])
     with tempfile.TemporaryDirectory() as place:
         own = Path(place) / "own"
-        run([sys.executable, "-m", "mmcs", "run", arguments.scenario, "--out", own], cwd=ROOT)
+        run([sys.executable, "-m", "mmcs", "run", SCENARIO, "--out", own], cwd=ROOT)
         expected = hash_of(own)
-        for package in sorted(arguments.dist.glob("mmcs-*")):
+        for package in sorted(DIST.glob("mmcs-*")):
             folder = Path(place) / package.suffix[1:]
             folder.mkdir()
-            found = tried(package, arguments.scenario, folder)
-            print(f"{package.name}: {arguments.scenario} has hash {found}")
+            found = tried(package, folder)
+            print(f"{package.name}: {SCENARIO} has hash {found}")
             if found != expected:
-                print(f"release: in the checkout it is {expected}", file=sys.stderr)
-                return 1
+                raise SystemExit(f"release: in the checkout it is {expected}")
     print(f"tag it with: git tag -a v{__version__} -m 'MMCS {__version__}'")
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

@@ -43,16 +43,12 @@ exec "$(dirname "$(realpath "$0")")/python" -P -m mmcs "$@"
 """
 
 
-def main() -> int:
+def main() -> None:
     argparse.ArgumentParser(description=__doc__).parse_args()
     bin_folder, site = Path(sys.prefix) / "bin", Path(sysconfig.get_path("purelib"))
     makefile = home() / "include" / "verilated.mk"
     if not makefile.is_file():
-        print(
-            f"setup_venv: {makefile} is missing; run `make distclean` and try again",
-            file=sys.stderr,
-        )
-        return 1
+        raise SystemExit(f"setup_venv: {makefile} is missing; run `make distclean` and try again")
     text = old = makefile.read_text()
     for key, value in SETTINGS.items():
         text = re.sub(rf"^{key} = .*$", f"{key} = {value}", text, flags=re.M)
@@ -69,8 +65,7 @@ def main() -> int:
     (site / "mmcs-checkout.pth").write_text("".join(f"{way}{folder}\n" for folder in folders))
     for folder in (site, ROOT / "mmcs"):
         compileall.compile_dir(folder, quiet=1, rx=RARE)
-    return 0
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

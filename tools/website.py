@@ -45,10 +45,6 @@ def main() -> None:
     argparse.ArgumentParser(description=__doc__).parse_args()
     build()
     write()
-    sizes = {path.name: path.stat().st_size for path in sorted(SITE.rglob("*.wasm"))}
-    packed = {name: len(zlib.compress((SITE / "engine" / name).read_bytes(), 9)) for name in sizes}
-    for name, size in sizes.items():
-        print(f"{name}: {size // 1000} kB, {packed[name] // 1000} kB as it is sent")
     print(f"to look at it: python3 -m http.server -d {os.path.relpath(SITE)}")
 
 

@@ -29,7 +29,7 @@ from mmcs.tests.test_tool import PD, TOOK
 from mmcs.tool import judge, tune
 from mmcs.view import chart, film, moments, watched, waves
 from studies import lockstep, one_axis, shrink
-from tools import book, carried, coverage, formal, trace, wavegen, website
+from tools import book, carried, coverage, formal, trace, wavegen
 from tools.golden import plain, same
 from tools.mutation import mutants, mutate
 
@@ -180,10 +180,9 @@ VALUES = {
     "mcdef": lambda _: [mcdef.constants(), mcdef.requests()],
     "fmu": lambda _: [fmu.model_description(load(name), "token", m).splitlines()
                       for name, m in (("lab500", True), ("puma560", False))],
-    "website": lambda _: [website.knowledge()["layouts"], website.protocol()["param"],
-                          website._big("x", ["a.js", "preact.module.js"])],
     "carried": lambda _: [carried.write(task).read_text().splitlines() for task in
-                          ("prove_i8255", "bits_i8255", "deaf_i8254")],
+                          ("prove_i8254", "bits_i8254", "prove_mark1", "bits_mark1", "deaf_i8254",
+                           "deaf_mark1")],
     "formal": lambda _: [(formal.tasks(f), [formal.depth(f, t) for t in formal.tasks(f)],
                           formal.slow(f), formal.properties(f)) for f in formal.groups()[:4]],
     "trace": lambda _: [trace.page(WANTED, TESTS).splitlines(), sorted(
@@ -194,7 +193,8 @@ VALUES = {
     "book": lambda _: book.chapter(CHAPTER, ROOT / "docs/use/driver.md", set()).splitlines(),
     "one axis": lambda _: one_axis.move(load_robot("lab500")[1].axis[0], PD, lambda _: 200, 1e-3,
                                         0.1),
-    "stimulus": lambda _: [list(lockstep.stranger(7, 3, 6, 200, {"a": 4, "b": 1})),
+    "stimulus": lambda _: [list(lockstep.lively(7, 3, 6, lockstep.stranger(7, 3, 6, 99, {"a": 4}))),
+                           list(itertools.islice(lockstep.runs(7), 12)),
                            shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
     **TALKS,
 }  # fmt: skip

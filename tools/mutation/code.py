@@ -5,7 +5,7 @@ of what the page computes: the last part of `make mutation`.
 universalmutator changes one line, by its rules for the language; each mutant that builds, some
 of every file, meets the suite of its folder in a copy of the project.
 
-    code.py [--only TEXT] [--each N]
+    code.py [--only TEXT]
 
 Score = killed / (killed + survived). SHARE=0 to 9 mutates a tenth of the files. Exit 1 if less than
 LEAST of at least 20 mutants is killed: some differ in nothing that a test can see.
@@ -103,12 +103,12 @@ def _code(text: str) -> str | None:
     return ast.dump(tree)
 
 
-def fates(file: str, suite: str, each: int) -> list[bool]:
-    """Of so many mutants that build: killed?"""
+def fates(file: str, suite: str) -> list[bool]:
+    """Of the first EACH mutants that build: killed?"""
     told = []
     folder = faults.ROOT / faults.WORK / f"{os.getpid()}_{re.sub(r'[/.]', '_', file)}"
     for mutant in mutants(file):
-        if len(told) == each:
+        if len(told) == EACH:
             break
         if not builds(mutant):
             continue
@@ -129,13 +129,12 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--only", default="", metavar="TEXT")
-    parser.add_argument("--each", type=int, default=EACH, metavar="N")
     args = parser.parse_args()
     suites = files()
     some = mixed({file for file in suites if args.only in file})
     some = some if args.only else shared(some)
     with ThreadPoolExecutor(int(os.environ.get("JOBS", "2"))) as pool:
-        done = pool.map(lambda file: fates(file, suites[file], args.each), some)
+        done = pool.map(lambda file: fates(file, suites[file]), some)
         by_language: dict[str, list[bool]] = {}
         for file, each in zip(some, done, strict=True):
             by_language.setdefault(Path(file).suffix[1:], []).extend(each)

@@ -15,22 +15,19 @@ from tools.mutation.mutants import ROOT, TOPS, WORK, Mutant, equivalent
 
 WALL_S = 6 * 3600  # a guard against what hangs without computing; busy machines are slow
 LEAST_S = 15  # of processor time that a mutant gets at least
-QUICK_S = 1.5  # all tests of the quick half
-PROOF_S = 30  # for a proof
+PROOFS_S = {False: 2, True: 30}  # for a proof of a module by itself, and with all below it
 BATCH = 10  # mutants that one simulator process runs
 
 
 @dataclass
 class Group:
-    """Test modules that share a build: one simulation runs all their tests, in `order`."""
+    """Test modules that share a build: one simulation runs all their tests, the quickest first."""
 
     job: object  # of the runner; its module does not matter
     tests: list[tuple[str, str]]  # module, attribute
     limit: float = WALL_S  # processor time, s
-    # the quick half and the slow one: names of tests in the order in which they run, and how many
-    # end, each set of parameters for itself
-    halves: list[list[str]] = field(default_factory=list)
-    counts: list[int] = field(default_factory=list)
+    order: list[str] = field(default_factory=list)  # names of tests
+    count: int = 0  # of tests that end, each set of parameters for itself
 
 
 def groups(top: str) -> list[Group]:
@@ -123,10 +120,10 @@ else:
 """
 
 
-def write_tests(folder: Path, group: Group, numbers: list[int], half: int) -> None:
+def write_tests(folder: Path, group: Group, numbers: list[int]) -> None:
     """A test module that holds the tests of several, in the order in which they shall run."""
-    order = group.halves[half] if numbers else [name for _, name in group.tests]
-    named = sorted((t for t in group.tests if t[1] in order), key=lambda t: order.index(t[1]))
+    order = group.order or [name for _, name in group.tests]
+    named = sorted(group.tests, key=lambda t: order.index(t[1]))
     tests = "\n".join(
         f"t{n} = import_module({module!r}).{attribute}"
         for n, (module, attribute) in enumerate(named)
@@ -135,15 +132,15 @@ def write_tests(folder: Path, group: Group, numbers: list[int], half: int) -> No
     (folder / "mutant_tests.py").write_text(text)
 
 
-def simulate(top: str, group: Group, numbers: list[int], half: int = 0) -> Path:
-    """Runs half of a group's tests on some mutants, or all on none; the folder of it."""
+def simulate(top: str, group: Group, numbers: list[int]) -> Path:
+    """Runs a group's tests on some mutants, or on none; the folder of it."""
     from cocotb_tests.lib import runner
 
     sim, job = built(top, group), group.job
     folder = sim.build_dir / f"mutants-{os.getpid()}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    write_tests(folder, group, numbers, half)
+    write_tests(folder, group, numbers)
     runner.HANG_S = BATCH * WALL_S
     sys.path.insert(0, str(folder))  # the runner hands it on
     try:
@@ -200,13 +197,7 @@ def baseline(top: str) -> list[Group]:
         for case in ET.parse(folder / "results.xml").iter("testcase"):
             name = re.sub(r"/.*", "", case.get("name"))
             seconds[name] = seconds.get(name, 0) + float(case.get("time", 0))
-        order, total = sorted(seconds, key=seconds.get), 0.0
-        group.halves = [[], []]
-        for name in order:
-            total += seconds[name]
-            group.halves[int(total > QUICK_S)].append(name)
-        ends = [re.sub(r"/.*", "", name).rpartition(".")[2] for name in ended]
-        group.counts = [sum(name in half for name in ends) for half in group.halves]
+        group.order, group.count = sorted(seconds, key=seconds.get), len(ended)
         group.limit = max(LEAST_S, 3 * (used() - before))
     return made
 
@@ -216,12 +207,13 @@ def settings() -> None:
     os.environ["COCOTB_MAX_FAILURES"] = "1"
 
 
-def meet(made: list[Group], mutants: list[Mutant], half: int) -> None:
-    """Half of a top's tests on some mutants: fate, what noticed it, seconds of processor time."""
+def fates(mutants: list[Mutant], made: list[Group]) -> list[Mutant]:
+    """A top's tests on some mutants, and proofs for those that survive: fate, what noticed it,
+    seconds of processor time."""
     settings()
-    for group in (g for g in made if g.halves[half]):
+    for group in made:
         left = [m for m in mutants if not m.by]
-        folder = simulate(left[0].top, group, [m.number for m in left], half) if left else None
+        folder = simulate(left[0].top, group, [m.number for m in left]) if left else None
         for m in left:
             place = folder / str(m.number)
             if not (place / "seconds").is_file():
@@ -229,10 +221,12 @@ def meet(made: list[Group], mutants: list[Mutant], half: int) -> None:
             m.seconds = round(m.seconds + float((place / "seconds").read_text()), 2)
             ended = verdicts(place / "sim.log")
             failed = [name for name, good in ended.items() if not good]
-            if failed or len(ended) < group.counts[half]:
+            if failed or len(ended) < group.count:
                 m.by = failed[0] if failed else f"(end) {last_words(place / 'sim.log')}"
     for m in mutants:
-        m.fate = "killed" if m.by else "survived"
+        same = not m.by and any(equivalent(m, s, whole) for whole, s in PROOFS_S.items())
+        m.fate = "killed" if m.by else "equivalent" if same else "survived"
+    return mutants
 
 
 def last_words(log: Path) -> str:
@@ -240,19 +234,3 @@ def last_words(log: Path) -> str:
     text = log.read_text(errors="replace") if log.is_file() else "no log"
     complaint = re.findall(r"%(?:Error|Fatal)[^\n]*", text)
     return complaint[0][-90:] if complaint else "it goes on for ever"
-
-
-def fates(mutants: list[Mutant], made: list[Group]) -> list[Mutant]:
-    """The quick tests, a proof that takes a second or two, the slow tests, a longer proof."""
-
-    def prove(seconds: int, whole: bool) -> list[Mutant]:
-        left = [m for m in mutants if m.fate == "survived"]
-        for m in left:
-            m.fate = "equivalent" if equivalent(m, seconds, whole) else "survived"
-        return [m for m in left if m.fate == "survived"]
-
-    meet(made, mutants, 0)
-    if left := prove(2, False):
-        meet(made, left, 1)
-        prove(PROOF_S, True)
-    return mutants

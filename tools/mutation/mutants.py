@@ -237,18 +237,13 @@ def equivalent(mutant: Mutant, seconds: int, whole: bool) -> bool:
     From the reset on; what comes before the first is not compared. The blocks inside become pins,
     or are put in, as they are with these parameters (`whole`).
     """
-    file = next(b for b in TOPS[mutant.top][1] if b.rsplit("/", 1)[-1] == mutant.module)
-    others = [str(f) for f in sources("rtl", Path()) if f != Path("rtl") / f"{file}.sv"]
-    if whole:
-        inside = f"delete =A:blackbox\nread_verilog -sv -Irtl {' '.join(others)}\n"
-        return proved(mutant, seconds, inside, "")
-    boxes = "select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n"
-    return proved(mutant, seconds, "", boxes)
-
-
-def proved(mutant: Mutant, seconds: int, before: str, after: str) -> bool:
-    """The same, with what Yosys does before it breaks the netlist, and after."""
     module, base = mutant.module, WORK / mutant.top / f"equal_{mutant.number}"
+    before, after = "", "select gold/c:* gate/c:*\nexpose -evert\nselect -clear\n"
+    if whole:
+        file = next(f"rtl/{b}.sv" for b in TOPS[mutant.top][1] if b.rpartition("/")[2] == module)
+        others = [str(f) for f in sources("rtl", Path()) if str(f) != file]
+        before = f"delete =A:blackbox\nread_verilog -sv -Irtl {' '.join(others)}\n"
+        after = ""
     what = mutant.what.replace(f"-module {module}", "-module gate")
     (ROOT / f"{base}_clocked.v").write_text(CLOCKED)
     (ROOT / f"{base}_strobed.v").write_text(STROBED)

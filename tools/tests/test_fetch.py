@@ -21,7 +21,7 @@ from mmcs import ROOT
 from tools import fetch, libraries
 from tools.compiled import ran
 
-SET = re.compile(r"(UV|PIP|SSL|NODE|REQUESTS|CURL|npm)_|.*_(CERT|CERTS)$|.*proxy", re.I)
+SET = re.compile(r"(UV|PIP|SSL|REQUESTS|CURL)_|.*_(CERT|CERTS)$|.*proxy", re.I)
 
 
 @pytest.fixture
@@ -34,14 +34,13 @@ def plain(monkeypatch, tmp_path):
     return config
 
 
-def test_settings_of_pip_reach_uv_and_npm(plain, monkeypatch):
+def test_settings_of_pip_reach_uv(plain, monkeypatch):
     plain.write_text("[global]\nindex-url = https://a/simple\ncert = /ca.pem\nproxy = http://p:1\n")
     monkeypatch.setenv("HTTP_PROXY", "http://own")
     env = fetch.environment()
     assert env["UV_DEFAULT_INDEX"] == "https://a/simple"
-    assert env["SSL_CERT_FILE"] == env["NODE_EXTRA_CA_CERTS"] == "/ca.pem"
+    assert env["SSL_CERT_FILE"] == "/ca.pem" and env["UV_SYSTEM_CERTS"] == "1"
     assert (env["HTTPS_PROXY"], env["HTTP_PROXY"]) == ("http://p:1", "http://own")
-    assert env["UV_SYSTEM_CERTS"] == env["NODE_USE_SYSTEM_CA"] == "1"
 
 
 def test_a_silent_installer_is_told_of(plain, monkeypatch):

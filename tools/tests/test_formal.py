@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/formal.py without its provers: logs, files that fit together, assumptions in formal.md."""
+"""tools/formal.py without its provers: files that fit together, assumptions in formal.md."""
 
 import re
 
@@ -11,48 +11,9 @@ from tools import formal
 GROUPS = formal.groups()
 
 
-def read(text: str, mode: str = "prove") -> formal.Result:
-    result = formal.Result("g", mode, mode, 8, "ERROR", 0.0)
-    formal.read_log(text, result)
-    return result
-
-
-def test_a_proof_that_holds():
-    result = read("SBY [g] summary: successful proof by k-induction.\nSBY [g] DONE (PASS, rc=0)\n")
-    assert result.status() == "proved unbounded"
-
-
 def test_the_command_by_hand_names_the_tools_that_ours_names():
     page = " ".join(PAGE.split())
     assert f"yowasp-sby {' '.join(formal.TOOLS).replace(str(ROOT), '$PWD')} -f" in page
-
-
-def test_a_counter_example_names_its_property():
-    log = "SBY ##   0:00:00  Assert failed in g_props: LoopPanics\nSBY [g] DONE (FAIL, rc=2)\n"
-    result = read(log)
-    assert (result.status(), result.failed) == ("FAIL", ["LoopPanics"])
-
-
-def test_a_bound_is_said():
-    assert read("DONE (PASS, rc=0)", "bmc").status() == "bounded to 8 clocks"
-
-
-def test_covers_reached_and_not():
-    result = read(
-        "##   0:00:00  Reached cover statement in step 5 at top: A_when\n"
-        "##   0:00:00  Reached cover statement in step 9 at top: B_when\n"
-        "##   0:00:00  Unreached cover statement at top: C_when\n"
-        "DONE (FAIL, rc=2)",
-        "cover",
-    )
-    assert result.reached == {"A_when": 5, "B_when": 9}
-    assert result.missed == ["C_when"]
-    assert result.status() == "FAIL"
-
-
-def test_no_verdict_is_an_error():
-    result = read("ERROR: something\n")
-    assert (result.verdict, result.note) == ("ERROR", "ERROR: something")
 
 
 @pytest.mark.parametrize("file", GROUPS, ids=lambda f: f.stem)
@@ -143,13 +104,3 @@ def test_each_has_its_sentence():
 
 def test_each_tied_pin_is_listed():
     assert tied(proofs(), PAGE) == []
-
-
-def test_a_tied_pin_without_row_is_named():
-    page = f"{HEAD}\n| `new` | tied: `a_i` | - |\n"
-    assert tied({"new_props.sv": ".a_i(1'b0), .b_ni(2'b11), .c_i"}, page) == ["new: b_ni"]
-
-
-@pytest.mark.parametrize("line", ['`MMCS_GIVEN(NoTrouble, 1, "")', "always assume (quiet);"])
-def test_one_without_is_named(line):
-    assert missing({"new_props.sv": line}, PAGE)[0].startswith("new_props.sv: ")

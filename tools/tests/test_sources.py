@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""mmcs.core is the one list: of the testbench's files, of each chip's, of what slang is given."""
+"""mmcs.core is the one list: of the testbench's files, of each chip's."""
 
 from pathlib import Path
 
@@ -21,18 +21,10 @@ def test_a_chip_has_what_it_is_made_of():
         assert sets[chip]["files"] == [str(f) for f in made_of(chip)]
 
 
-def test_slang_is_given_every_file():
-    given = {str(word) for arguments in slang.jobs().values() for word in arguments}
-    listed = (ROOT / "sim/dpi/mmcs_tb.f").read_text()
-    for file in (ROOT / "rtl").rglob("*.sv"):
-        name = str(file.relative_to(ROOT))
-        assert str(file) in given or name in listed, name
-
-
 def test_an_error_of_slang_is_told(tmp_path):
     """A port that is not there parses; only elaboration finds it."""
     file = tmp_path / "wrong.sv"
     file.write_text("module a(input logic x); endmodule\nmodule b; a u(.y(1'b0)); endmodule\n")
-    assert not slang.elaborates([file])
+    assert not slang.elaborates(str(file))
     file.write_text("module a(input logic x); endmodule\nmodule b; a u(.x(1'b0)); endmodule\n")
-    assert slang.elaborates([file])
+    assert slang.elaborates(str(file))

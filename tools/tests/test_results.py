@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What programs of tools/ print, write and call on small inputs, as ever (tools/golden.py)."""
+
+import dataclasses
+import fnmatch
+import functools
+import pprint
+import re
+import sys
+from multiprocessing.pool import ThreadPool
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import mmcs
+from mmcs import ROOT
+from tools import file_rules, formal, golden, lint, parsers, website
+from tools.compiled import ran
+from tools.mutation import faults, mutants, mutate
+
+FILE = Path(__file__).with_name("golden.txt")
+LICENCE = "# SPDX-License-Identifier: Apache-2.0\n"
+
+
+class Tried:
+    """A folder, and programs that take it for the checkout."""
+
+    def __init__(self, folder: Path, patch: pytest.MonkeyPatch):
+        self.folder, self.patch, self.called = folder, patch, []
+
+    def files(self, texts: dict[str, str]) -> Path:
+        for name, text in texts.items():
+            (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.folder / name).write_text(text)
+        return self.folder
+
+    def main(self, module, *words: str):
+        self.put(sys, argv=[module.__name__, *words])
+        return module.main()
+
+    def put(self, module, **named) -> None:
+        for name, what in named.items():
+            self.patch.setattr(module, name, what)
+
+    def note(self, module, **answers) -> None:
+        """In place of these of the module: what is called is kept, and answered so."""
+
+        def called(name, answer, *args, **how):
+            self.called.append((name, *args, *sorted(how.items(), key=str)))
+            return answer(*args) if callable(answer) else answer
+
+        for name, answer in answers.items():
+            self.patch.setattr(module, name, functools.partial(called, name, answer))
+
+
+NAMES = ("SkipExtra", "asleep_i", "awake_o", "horizon_o", "irq_lost_i", "card_absents", "stuck1_i",
+         "fault_i", "inject", "lostx", "default_i")  # fmt: skip
+STATE = ("trip_d;", "1'b0 + 1;", "a & b;", "(a) - b;", "a - 1;", "~a;", "{a, b};  // a & b", "'0;\n"
+         "    for (;;) c_q <= 1;", "0;\n  else if (x) d_q <= 0;\nend\n\nwire e = a;")  # fmt: skip
+
+
+def file_rules_of(tried):
+    block = "always_ff @(posedge {}) begin\n  if (!rst_ni) a_q <= 0;\n  else b_q <= {}\nend\n\n"
+    names = "".join(f'wire {name},  // fault "\n "lost" x' for name in NAMES)
+    tried.files({
+        "rtl/a.sv": "".join(block.format("clk_i", what) for what in STATE), "fpga/x/c.sv": names,
+        "rtl/b.svh": names, "fpga/tests/d.sv": names, "rtl/checkers/e.sv": names,
+        "rtl/f.sv": "a_q = 1;" + block.format("as_ni", "b_d;"),
+        "rtl/g.svh": block.format("pclk", "c;\n  if (y) b_q <= d;")})  # fmt: skip
+    top, readme = LICENCE + 399 * "\n", "make sim\n" + 125 * "\n"
+    texts = {"a.py": "x\n", "b.c": 12 * "\n" + LICENCE, "c.c": 11 * "\n" + LICENCE, "d.sv": top,
+             "e.c": top + "\n", "f.c": "Length: \n" + top, "g.md": 401 * "\n", "h.svg": "",
+             "README.md": 25 * "\n" + readme}  # fmt: skip
+    tried.put(file_rules, tracked=lambda: [*texts], ROOT=tried.files(texts))
+    ends = [tried.main(file_rules)]
+    tried.files({"README.md": 24 * "\n" + readme})
+    return [*ends, tried.main(file_rules)]
+
+
+def lint_of(tried):
+    files = ["rtl/a.sv", "firmware/mc/a.c", "firmware/mc/a.h", "sim/model/fast.cpp", "bridges/m.c",
+             "firmware/include/mmcs_regs.h", "sim/tests/t.cpp", "sim/plant/p.cpp", "studies/s.cpp",
+             "sim/card/c.cpp", "bfm/examples/e.sv", "sim/hosts/m68020/musashi.c"]  # fmt: skip
+    tried.put(lint, tracked=lambda *names: sum((fnmatch.filter(files, n) for n in names), []),
+              sources=lambda _: [ROOT / "rtl/a.sv", ROOT / "rtl/chips/b.sv"],
+              model_flags=lambda: ["-DMODEL"], told_age=lambda: "no figure is old")  # fmt: skip
+    tried.note(lint.libraries, fetch=None)
+    every = lint.checks()
+    jobs = [(name, ["echo", "x"]) for name in ("a", "icarus b", "verible")] + [("c", ["false"])]
+    tried.put(lint, checks=lambda: [*jobs, ("verible", ["true"])])
+    return every, tried.main(lint), [lint.run(job)[:3] for job in jobs]
+
+
+LOG = """ERROR: one\n##  Assert failed in g_props: top.$x$LoopPanics\nERROR: two
+##  Reached cover statement in step 5 at top: a.A_when\n##  Assert failed in g_props: Another
+##  Reached cover statement in step 9 at top: B_when\n##  Unreached cover statement at top: C_when
+"""
+
+
+def formal_of(tried):
+    logs = ["", "x\ny\n", LOG] + [f"{LOG}DONE ({v}, rc=0)\n" for v in ("PASS", "FAIL", "UNKNOWN")]
+    read = [formal.Result("g", mode, mode, 8, "", 0.0) for _ in logs for mode in formal.MODES]
+    for n, result in enumerate(read):
+        formal.read_log(logs[n // 3], result)
+    groups = [f for f in formal.groups() if f.stem in ("oneshot", "i8254", "carried")]
+    verdicts = ["PASS"] * 40 + ["FAIL"]
+
+    def prove(file, task):
+        mode, verdict = formal.mode_of(task), verdicts.pop(0) if verdicts else "PASS"
+        bad, covers = ["A"] * (verdict != "PASS"), ["C"] * (mode == "cover")
+        return formal.Result(file.stem, task, mode, 9, verdict, 1.5, bad, {"B": 4}, covers, mode)
+
+    tried.put(formal.time, monotonic=lambda: 0)
+    tried.put(formal.resource, getrusage=lambda _: SimpleNamespace(ru_utime=1, ru_stime=2))
+    tried.put(formal, NEEDED=("true",), groups=lambda: groups)
+    tried.note(formal, run=prove, committed=None, rewrite=None)
+    asked = ((), ("--fast",), ("--only", "oneshot", "--doc"), ("--doc",), (), ("--only", "none"))
+    ends = [tried.main(formal, *words) for words in asked]
+    tried.put(formal, NEEDED=("true", "no-such-tool"))
+    told = [(dataclasses.asdict(result), result.status()) for result in read]
+    return told, ends, tried.main(formal), [formal.text(file) for file in groups]
+
+
+def website_of(tried):
+    engines = {f"build/sim/web_c{n}/mmcs_sim.{end}": f"mmcs_sim.wasm{n}"
+               for n in website.CARDS for end in ("wasm", "mjs")}  # fmt: skip
+    tried.files(engines | {
+        "web/index.html": '<title>mctool</title><script src="main.js">', "web/tests/t": "",
+        "web/offline.js": 'const files = "FILES", version = "VERSION";', "web/main.js": "",
+        "web/engine/sim.js": "s", "lib/p/preact.module.js": "p", "lib/p/other.js": "o",
+    })  # fmt: skip
+    root = tried.folder
+    tried.put(website, SITE=root / "build/web", BUILD=root / "build", PAGES=root / "web",
+              library_folder=lambda: root / "lib", LIBRARIES={"preact": "p"}, __version__="0",
+              named=lambda: ["lab500", "user_loop", "fault_estop"],
+              compiled=lambda setup: setup.name.encode())  # fmt: skip
+    tried.put(website.labs, everything=lambda: {"sheets": []})
+    tried.put(website.zlib, compress=lambda data, level: data[:99])
+    tried.put(website.os, strerror=lambda number: f"error {number}", environ={"PATH": "own"})
+    tried.note(website.sbom, write=None)
+    tried.note(website.subprocess, run=SimpleNamespace(returncode=0))
+    tried.main(website)
+    made = sorted(f for f in website.SITE.rglob("*") if f.is_file() and f.name[0] != "k")
+    return [(f, f.read_text()[:4000]) for f in made], website.knowledge()
+
+
+def parsers_of(tried):
+    chance, every = parsers.random.Random(7), parsers.parsers
+    wild = parsers.Parser("wild", b"abc", lambda data: data[0] and data.decode(), (ValueError,))
+    tried.put(parsers, parsers=lambda folder: [*every(folder), wild])
+    return [parsers.damaged(bytes(range(60)), chance) for _ in range(99)], parsers.attack(100, 7)
+
+
+def golden_of(tried):
+    many, ends = "1\n" * 30, []
+    file = tried.files({"g.txt": ""}) / "g.txt"
+    for write, name, text in (("", "a", "x"), ("1", "b", "x\ny"), ("1", "a", many), ("", "b", "x"),
+                              ("", "a", many), ("", "a", many[2:]), ("", "a", "")):  # fmt: skip
+        tried.patch.setenv("MMCS_WRITE", write)
+        try:
+            ends.append(golden.same(name, text, file))
+        except pytest.fail.Exception as failure:
+            ends.append(str(failure).splitlines())
+    told = f'{ROOT}/x {file} "wall_s": 3,\nin 2.5 s: real-time factor 3\nin 9 s, y\n'
+    told += f"mmcs: 3 of 9 runs, about 4 s left\nkept {mmcs.__version__}\n"
+    return ends, file.read_text(), golden.plain(told, tried.folder)
+
+
+def faults_of(tried):
+    own = {"name": "n", "file": "f", "test": "t", "proof": {"group": "oneshot"}}
+    abouts = [{}, {"property": "A"}, {"property": "B", "task": "x"}, {"induction": True}]
+    ends = []
+    for verdict, failed in (("FAIL", ["A"]), ("FAIL", []), ("UNKNOWN", []), ("PASS", [])):
+        result = formal.Result("g", "t", "prove", 9, verdict, 1.0, failed, note=verdict[0])
+        tried.note(formal, run=result)
+        proofs = [own | {"proof": own["proof"] | about} for about in abouts]
+        ends.append([faults.by_proof(fault, tried.folder) for fault in proofs])
+    outs = ("1 failed", "0 failed", "2 passed, 11 failed", "does not build", "a\nb\n", "")
+    for n, out in enumerate(outs):
+        tried.note(faults, pytest=SimpleNamespace(stdout=out, stderr="", returncode=n % 2))
+        ends.append(faults.by_test(own | {"cpu_s": 9}, tried.folder))
+    more = own | {"test": "cocotb_x", "req": "A-1", "name": "o"}
+    tried.put(faults, read=lambda: ([own, more, {"name": "p", "file": "q"}], {}))
+    tried.put(faults.time, monotonic=lambda: 0)
+    tried.note(faults, seed=lambda one, folder: "not there" if one is more else None, by_proof=None)
+    tried.put(formal, NEEDED=("true",))
+    asked = (("proofs",), ("tests",), ("tests", "--only", "A-1"), ("tests", "--only", "none"))
+    return ends, [tried.main(faults, *words) for words in asked]
+
+
+def mutate_of(tried):
+    ends, waived = [], [{"module": "z", "match": "^z dff .*-mode inv", "reason": "unseen"}]
+    fate = ("equivalent", "survived", *6 * ("killed",))
+
+    def prepare(top):
+        return [mutants.Mutant(top, m, n, f"-module {m} -cell $dff$3 -mode inv", "", f"{m}{n}")
+                for m in ("xy" if top == "t" else "z") for n in range(24)]  # fmt: skip
+
+    def fates(some, made):
+        return [dataclasses.replace(m, fate=fate[m.number % 8], by=made[0]) for m in some]
+
+    tried.put(mutate, TOPS={"t": ((), {"a/x": (), "a/y": ()}), "u": ((), {"z": ()})},
+              prepare=prepare, fates=fates, RESULTS=tried.folder / "results.json",
+              waivers=lambda: waived)  # fmt: skip
+    tried.note(mutate, baseline=lambda top: [f"by {top}"], committed=None, rewrite=None)
+    tried.put(mutate.multiprocessing, get_context=lambda _: SimpleNamespace(Pool=ThreadPool))
+    asked = (("--only", "y"), ("--resume", "--write"), ("--only", "none"))
+    ends += [tried.main(mutate, *words) for words in asked]
+    waived += [{"module": m, "match": "inv", "reason": "r"} for m in "xy"]
+    ends.append(tried.main(mutate))
+    fate = 8 * ("survived",)
+    return ends, tried.main(mutate, "--only", "z"), mutate.RESULTS.read_text()
+
+
+PROGRAMS = {name[:-3]: made for name, made in globals().items() if name.endswith("_of")}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_what_programs_write(name, tmp_path, monkeypatch, capsys):
+    for variable, value in (("COLUMNS", "80"), ("SHARE", ""), ("JOBS", "2")):
+        monkeypatch.setenv(variable, value)
+    monkeypatch.chdir(tmp_path)
+    tried = Tried(tmp_path, monkeypatch)
+    made = PROGRAMS[name](tried), tried.called
+    monkeypatch.undo()
+    text = pprint.pformat(made, width=99, sort_dicts=False).replace(sys.prefix, "PREFIX")
+    text = "\n".join([re.sub(r"(faults/)\d+_", r"\1", text), *capsys.readouterr()])
+    golden.same(name, golden.plain(text, tmp_path), FILE)
+
+
+MET = """from tools.mutation import mutant_runs, mutants
+mutants.TOPS["probe"] = (["chips.cocotb_analog"], {"chips/oneshot": ({"PulseClks": "PULSE"}, 9)})
+for m in mutant_runs.fates(mutants.prepare("probe"), mutant_runs.baseline("probe")):
+    print(m.number, m.what, m.place, m.key, m.fate, m.by)
+"""
+
+
+@pytest.mark.slow  # builds a simulator
+def test_mutants_of_a_chip_meet_its_tests():
+    golden.same("met", ran(sys.executable, "-c", MET, check=True).stdout, FILE)
