@@ -260,22 +260,30 @@ def test_a_request_that_is_none_is_refused_and_not_logged(caplog):
 
 
 @pytest.mark.req("TOOL-1")
-@pytest.mark.parametrize("end", ["designer", "button"])
+@pytest.mark.parametrize("end", ["designer", "hung designer", "button"])
 def test_what_no_page_of_ours_sends_ends_its_connection_alone(tmp_path, monkeypatch, caplog, end):
-    worker = tmp_path / "worker"
-    worker.write_text("#!/bin/sh\ncat > /dev/null\n")
+    """And its designer, which is killed if it hangs."""
+    worker, heard = tmp_path / "worker", tmp_path / "heard"
+    more = "exec sleep 1000" if end == "hung designer" else ""
+    worker.write_text(f"#!/bin/sh\necho $$\ncat > {heard}\n{more}\n")
     worker.chmod(0o755)
     monkeypatch.setattr(gateway.sys, "executable", str(worker))
-    button = Button(tmp_path / "nowhere.stop")
+    monkeypatch.setattr(gateway, "LEAVE_S", 0.1 if more else 240)
+    button, ended = Button(tmp_path / "nowhere.stop"), asyncio.Event()
 
-    def client(page):
-        return gateway.advise(page, end, "", "") if end == "designer" else button.serve(page)
+    async def client(page):
+        await (button.serve(page) if end == "button" else gateway.advise(page, end, "", ""))
+        ended.set()
 
     async def play(page):
-        for text in (b"stop",) if end == "designer" else ("state", "stop"):
+        pid = 0 if end == "button" else int(await page.recv())
+        for text in ("state", "stop") if end == "button" else ("a\nb", "c", b"stop"):
             await page.send(text)
         with pytest.raises(ConnectionClosed):
             await page.recv()
+        await ended.wait()
+        assert not pid or not Path(f"/proc/{pid}").exists()
 
     played(client, play)
-    assert not caplog.records and not button.clients
+    assert end == "button" or heard.read_text() == "a b\nc\n"
+    assert not caplog.records and not button.clients and not gateway._at_work

@@ -26,6 +26,7 @@ MAX_MESSAGE = 1 << 26  # from the machine: samples of the whole ring
 MAX_RECORDING = 1 << 27  # from the page: a recording to be made an MCAP file
 GONE = 4001  # close code of a WebSocket: the machine is gone
 MOST_WORKERS = 8  # at once, of all pages: each is a process of some 30 MB
+LEAVE_S = 5.0  # for a worker to end by itself once its page is gone
 _at_work: set[ServerConnection] = set()
 
 
@@ -106,9 +107,10 @@ async def _work(page: ServerConnection, what: str, module: str, *given: str) -> 
             await worker.stdin.drain()
     worker.stdin.close()
     with contextlib.suppress(TimeoutError):
-        await asyncio.wait_for(worker.wait(), 5)
+        await asyncio.wait_for(worker.wait(), LEAVE_S)
     if worker.returncode is None:
         worker.kill()
+        await worker.wait()
     answers.cancel()
 
 
