@@ -2,6 +2,7 @@
 """Talks with a server that the test steps, whole and the same each time: the messages, mmcs.Device,
 the stop path, the page's designer (test_output.py)."""
 
+import asyncio
 import json
 import math
 import os
@@ -9,17 +10,22 @@ import re
 import signal
 import sys
 import time
+import urllib.error
+import urllib.parse
+import urllib.request
 from contextlib import contextmanager
 
 import pytest
+from websockets.asyncio.client import connect as websocket
+from websockets.exceptions import ConnectionClosed
 
 from mmcs import mcdef
 from mmcs.device import client, link
 from mmcs.device.link import Link, Samples
 from mmcs.device.sockets import connect
-from mmcs.tests.device_bench import Bench, output_in_lockstep
+from mmcs.tests.device_bench import Bench, output_in_lockstep, running
 from mmcs.tests.test_tool import PD
-from mmcs.tool import advisor
+from mmcs.tool import advisor, launch
 
 
 class Stepping:
@@ -56,9 +62,9 @@ def stepped(folder):
 
 
 def told(one):
-    """A message, of samples the first and the last row."""
+    """A message, of samples the rows."""
     if isinstance(one, Samples):
-        return one.rows, one.lost, one.first, one.row(0), one.row(one.rows - 1)
+        return one.lost, one.first, [one.row(n) for n in range(one.rows)]
     return one
 
 
@@ -238,5 +244,65 @@ def stop_path(folder):
         return answers
 
 
+HEADERS = ("Date", "Content-Length", "ETag")
+PATHS = ("", "main.js", "look.css", "stop.html", "lib/x", "lib/uplot/../../main.js", "%00")
+
+
+def fetched(address, path, data=None, known=""):
+    """Status and headers, and the tag of what came."""
+    asked = urllib.request.Request(address + path, data, {"If-None-Match": known})
+    try:
+        got = urllib.request.urlopen(asked)
+    except urllib.error.HTTPError as error:
+        got = error
+    heads = {key: value for key, value in got.headers.items() if key not in HEADERS}
+    return got.headers["ETag"], (
+        path,
+        got.status,
+        heads,
+        int(got.headers["Content-Length"] or 0) > 0,
+    )
+
+
+async def said(address, page, *texts):
+    """What comes of each text on a socket of the page's, and how it is closed at last."""
+    told, origin = [], page.rsplit("/", 2)[0]
+    async with websocket(address.replace("http", "ws"), origin=origin) as socket:
+        try:
+            for text in texts:
+                await socket.send(text)
+                while "state" in (answer := json.loads(await socket.recv())):
+                    pass
+                told.append({key: one for key, one in answer.items() if key not in ("ms", "time")})
+            await socket.close()
+        except ConnectionClosed:
+            told.append((socket.close_code, socket.close_reason))
+    return told
+
+
+def tool(folder):
+    """The pages of `mmcs tool` and the stop button's, and their sockets."""
+    with Bench(folder) as bench, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(launch, "check_libraries", lambda: None)
+        with running(bench.server), launch.start("", bench.server.path, {"t": "2"}) as made:
+            page, _, given = made.address.partition("?")
+            stop = urllib.parse.parse_qs(given)["stop"][0].removesuffix("stop.html")
+            heard = [fetched(where, path)[1] for where in (page, stop) for path in PATHS]
+            heard += [fetched(page, "", b"")[1], fetched(page, "", known=fetched(page, "")[0])[1]]
+            for address, texts in (
+                (f"{page}machine", ('{"id": 1, "op": "alive"}', "[", "{}")),
+                (f"{page}advice", ('{"op": "design", "p": 4,\n"interval_s": 0.001}', "?", b"x")),
+                (f"{page}labs", ('{"op": "sing"}',)), (f"{page}x", ("a",)),
+                (f"{stop}x", ("press", "release", "stop", "state")),
+            ):  # fmt: skip
+                heard.append(asyncio.run(said(address, page, *texts)))
+            bench.server.path.with_suffix(".msg").unlink()
+            heard.append(asyncio.run(said(f"{page}machine", page, "a")))
+            text = json.dumps(heard)
+            for own in re.findall(r"://[^:]+:(\d+)/([^/]+)/", urllib.parse.unquote(made.address)):
+                text = text.replace(own[0], "PORT").replace(own[1], "TOKEN")
+            return json.loads(text)
+
+
 TALKS = {"messages": messages, "device": device, "designer": designer, "stop path": stop_path,
-         "device in lock-step": device_in_lockstep}  # fmt: skip
+         "device in lock-step": device_in_lockstep, "tool": tool}  # fmt: skip

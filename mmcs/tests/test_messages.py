@@ -2,7 +2,6 @@
 # Length: one test for each kind of message.
 """The messages beside a program: device, lease, inputs, pace, the past, the stream."""
 
-import itertools
 import json
 import os
 import random
@@ -239,33 +238,6 @@ def test_a_program_that_came_and_went_is_not_left_open_by_a_rewind(serving, link
 
 
 # --- the stream ---
-
-
-def test_every_sample_and_every_change(serving, link):
-    link.request("open", mode="rw")
-    link.request("call", request="MSETINTERVAL", value=1000)
-    link.request("pace", speed=1)  # a row a millisecond: the ring holds seconds
-    link.request("follow", period_ms=0)
-    hold(link)
-    link.request("write", setpoints=[120, 0])
-    written = link.request("hello")["time"]
-    rows, kinds = [], set()
-    while len(rows) < 300 or rows[-1]["t"] < written + 0.01:
-        message = heard(link)
-        if isinstance(message, Samples):
-            assert message.lost == 0 and message.first == (
-                rows[-1]["at"] + 1 if rows else message.first
-            )
-            rows += [message.row(n) | {"at": message.first + n} for n in range(message.rows)]
-        else:
-            kinds.add(message["kind"])
-    assert [b["number"] - a["number"] for a, b in itertools.pairwise(rows)] == [1] * (len(rows) - 1)
-    fields = dict(zip(link.hello["sample"]["fields"], rows[-1]["axes"][0], strict=True))
-    assert fields["setpoint"] == fields["demand"] == 120
-    assert fields["error"] == 120 - fields["fbnow"] and fields["current"] == fields["inow"]
-    assert rows[-1]["lines"] & 15 == 0b0110  # brakes released, enabled
-    assert rows[-1]["lights"][0] >> 6 & 0b10011 == 0b10011  # both heartbeats, power
-    assert {"mode", "enabled", "panic", "brake", "heartbeat"} <= kinds
 
 
 def test_a_slow_reader_is_told_what_he_lost(bench):

@@ -17,7 +17,7 @@ from mmcs.cli.app import main
 from mmcs.runs.metrics import step_response
 from mmcs.scenario.arm import mass_matrix, stiff_joints
 from mmcs.scenario.files import named
-from mmcs.scenario.identify import Motor, frequency, identify
+from mmcs.scenario.identify import IdentifyError, Motor, frequency, identify
 from mmcs.scenario.load import load, load_robot
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
@@ -139,6 +139,18 @@ def a_wave():
     return wavegen.wavejson(entry, found, 250), watched.groups(["X", "Y"]), view
 
 
+T4, Y, U = recording()
+STRANGE = np.cumsum(np.cumsum(np.random.default_rng(1).integers(-40, 41, len(T4))))
+UNTOLD = [(T4[:50], Y[:50], U[:50]), (T4, Y * 0, U), (T4, np.cumsum(np.arange(len(T4))) // 50, U),
+          (T4, STRANGE, U)]  # fmt: skip
+
+
+def unidentified(rows):
+    with pytest.raises(IdentifyError) as no:
+        identify(*rows)
+    return str(no.value)
+
+
 def a_frequency():
     t = np.arange(8000) * 1e-3
     w = 100 * np.sin(2 * np.pi * np.cumsum(1 + 3 * t) * 1e-3)
@@ -165,7 +177,10 @@ VALUES = {
     ],
     "gains": lambda _: [tune.gains(MOTOR, wn, 0.8, t, slow) for wn in (20.0, 90.0)
                         for t in (0.001, 0.004) for slow in (0.0, 5.0)],
-    "identified": lambda _: [identify(*recording(lag=lag)) for lag in (0.5, 9.0)],
+    "identified": lambda _: [
+        *(identify(*recording(lag=lag, sign=sign)) for lag in (0.5, 9.0) for sign in (1, -1)),
+        *map(unidentified, UNTOLD),
+    ],
     "frequency": lambda _: a_frequency(),
     "kinematics": lambda _: [
         load("puma560").about(), *(load("puma560").robot.motors(coupled) for coupled in (0, 1)),

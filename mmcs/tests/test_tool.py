@@ -2,13 +2,10 @@
 """mctool without a browser: pages, stop process, designer, recordings."""
 
 import asyncio
-import base64
 import io
 import json
 import socketserver
 import sys
-import urllib.error
-import urllib.request
 from pathlib import Path
 
 import pytest
@@ -107,25 +104,6 @@ def test_a_page_is_told_when_its_designer_dies_or_too_many_are_open(monkeypatch,
 
 
 @pytest.mark.req("TOOL-1")
-def test_a_recording_becomes_mcap_that_readers_read():
-    from mcap.reader import make_reader
-
-    head = "t_s,lines,encnow_0,error_0,encnow_1,error_1"
-    text = f"{head}\n0.001000000,6,5,1,7,-2\n0.002000000,6,6,1,8,-2\n"
-    one, two = text[: text.index("0.002")], text[text.index("0.002") :]
-    parts = advise(
-        {"id": 1, "op": "mcap", "csv": one, "first": True},
-        {"id": 2, "op": "mcap", "csv": two, "last": True},
-    )
-    whole = b"".join(base64.b64decode(part["base64"]) for part in parts)
-    reader = make_reader(io.BytesIO(whole))
-    read = list(reader.iter_messages())
-    found = [(c.topic, m.log_time, json.loads(m.data)) for _, c, m in read]
-    assert ("/axis/1", 2_000_000, {"encnow": 8, "error": -2}) in found
-    assert len(found) == 6 and all(m.publish_time == m.log_time for _, _, m in read)
-
-
-@pytest.mark.req("TOOL-1")
 def test_no_address_leads_out_of_the_pages():
     site = pages.Site("secret", ("http://127.0.0.1:1",), "", frozenset({"stop.html"}))
     assert site.path("/secret/") == "index.html"
@@ -191,22 +169,6 @@ def test_the_pages_logic():
     node = Path(sys.executable).with_name("node")
     ended = ran(node, "--test", *sorted((ROOT / "web" / "tests").glob("*.test.mjs")))
     assert ended.returncode == 0, ended.stdout
-
-
-@pytest.mark.req("TOOL-1")
-def test_the_page_s_server_answers_get_alone():
-    stop = "http://localhost:1/s/stop.html"
-    config = {"token": "secret", "socket": "/nowhere", "sheets": None, "stop": stop}
-    gate = launch._python("mmcs.tool.gateway", config)
-    try:
-        address = launch._address(gate, "page's server").split("?")[0]
-        for path, data, status in (("%00", None, 404), ("a%00b", None, 404), ("", b"", 405)):
-            with pytest.raises(urllib.error.HTTPError) as refused:
-                urllib.request.urlopen(address + path, data)
-            assert refused.value.code == status
-        assert urllib.request.urlopen(address).status == 200
-    finally:
-        _end(gate)
 
 
 @pytest.mark.req("TOOL-1")
