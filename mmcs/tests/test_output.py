@@ -31,7 +31,7 @@ from mmcs.view import chart, film, moments, watched, waves
 from studies import lockstep, one_axis, shrink
 from tools import book, carried, coverage, formal, trace, wavegen
 from tools.golden import plain, same
-from tools.mutation import mutants, mutate
+from tools.mutation import code, mutant_runs, mutants, mutate
 
 # Carried out in a folder of their own; each file that a command leaves there is told after it.
 SESSIONS = {
@@ -204,8 +204,11 @@ VALUES = {
         one for one in trace.problems(WANTED, TESTS) if one[:3] in WANTED or "Z-9" in one)],
     "coverage": a_report,
     "mutants": lambda _: [mutate.table([dataclasses.replace(MUTANT, fate=fate) for fate in (
-        "killed", "killed", "survived", "equivalent")]).splitlines(), mutate.plain(MUTANT)],
-    "book": lambda _: book.chapter(CHAPTER, ROOT / "docs/use/driver.md", set()).splitlines(),
+        "killed", "killed", "survived", "equivalent")]).splitlines(), mutate.plain(MUTANT),
+        mutants.TOPS, code.files(), [dataclasses.astuple(group) for top in mutants.TOPS
+                                     for group in mutant_runs.groups(top)]],
+    "book": lambda _: [book.chapter(CHAPTER, ROOT / "docs/use/driver.md", set()).splitlines(),
+                       book.nav().splitlines()],
     "one axis": lambda _: one_axis.move(load_robot("lab500")[1].axis[0], PD, lambda _: 200, 1e-3,
                                         0.1),
     "stimulus": lambda _: [list(lockstep.lively(7, 3, 6, lockstep.stranger(7, 3, 6, 99, {"a": 4}))),

@@ -13,7 +13,6 @@ from types import SimpleNamespace
 
 import pytest
 
-import mmcs
 from mmcs import ROOT
 from tools import file_rules, formal, golden, lint, parsers, website
 from tools.compiled import ran
@@ -152,21 +151,6 @@ def parsers_of(tried):
     return [parsers.damaged(bytes(range(60)), chance) for _ in range(99)], parsers.attack(100, 7)
 
 
-def golden_of(tried):
-    many, ends = "1\n" * 30, []
-    file = tried.files({"g.txt": ""}) / "g.txt"
-    for write, name, text in (("", "a", "x"), ("1", "b", "x\ny"), ("1", "a", many), ("", "b", "x"),
-                              ("", "a", many), ("", "a", many[2:]), ("", "a", "")):  # fmt: skip
-        tried.patch.setenv("MMCS_WRITE", write)
-        try:
-            ends.append(golden.same(name, text, file))
-        except pytest.fail.Exception as failure:
-            ends.append(str(failure).splitlines())
-    told = f'{ROOT}/x {file} "wall_s": 3,\nin 2.5 s: real-time factor 3\nin 9 s, y\n'
-    told += f"mmcs: 3 of 9 runs, about 4 s left\nkept {mmcs.__version__}\n"
-    return ends, file.read_text(), golden.plain(told, tried.folder)
-
-
 def faults_of(tried):
     own = {"name": "n", "file": "f", "test": "t", "proof": {"group": "oneshot"}}
     abouts = [{}, {"property": "A"}, {"property": "B", "task": "x"}, {"induction": True}]
@@ -227,6 +211,20 @@ def test_what_programs_write(name, tmp_path, monkeypatch, capsys):
     text = pprint.pformat(made, width=99, sort_dicts=False).replace(sys.prefix, "PREFIX")
     text = "\n".join([re.sub(r"(faults/)\d+_", r"\1", text), *capsys.readouterr()])
     golden.same(name, golden.plain(text, tmp_path), FILE)
+
+
+def test_another_text_is_told_and_written_when_asked(tmp_path, monkeypatch):
+    (file := tmp_path / "g.txt").touch()
+    monkeypatch.setenv("MMCS_WRITE", "1")
+    for name, text in (("b", "x\ny"), ("a", many := "1\n" * 30)):
+        golden.same(name, text, file)
+    monkeypatch.setenv("MMCS_WRITE", "")
+    golden.same("a", many, file)
+    new = (("a", many[2:] + "2", "\n1\n1\n2"), ("b", "x", ""), ("c", "new", "\nnew"))
+    for name, text, told in new:
+        with pytest.raises(pytest.fail.Exception, match=f"are gone:{told}\nif that"):
+            golden.same(name, text, file)
+    assert file.read_text() == f"a:{10 * ' e158'}\nb: 1683 2615\n"
 
 
 MET = """from tools.mutation import mutant_runs, mutants
