@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 from mmcs import ROOT, load
+from mmcs.engine.own_card import inputs
 from mmcs.errors import InputError, RunError
 from mmcs.runs.machine import card_of, machine
 from mmcs.runs.session import Session
@@ -103,24 +104,32 @@ ANSWERS = """
 module {} (input wire logic clk_i, rst_ni, pc_aen_i, pc_ior_ni, pc_iow_ni,
   input wire logic [15:0] pc_a_i, input wire logic [7:0] pc_d_i,
   output logic [7:0] pc_d_o, output logic pc_d_oe_o);
-  assign pc_d_oe_o = !pc_ior_ni && pc_a_i[13:5] == {{4'd{}, 5'h18}};
+  logic [3:0] slot_q;
+  always_ff @(posedge clk_i or negedge rst_ni) if (!rst_ni) slot_q <= 4'd{};
+  assign pc_d_oe_o = !pc_ior_ni && pc_a_i[13:5] == {{slot_q, 5'h18}};
   assign pc_d_o = 8'h5A;
 endmodule
 """
 
 
 def test_two_cards_that_answer_end_the_run(tmp_path):
-    """The first alone does not; the second is at its address, the third at a Mark I's."""
-    files = [tmp_path / f"{name}.sv" for name in "abc"]
-    for file, slot in zip(files, (14, 14, 0), strict=True):
+    """Not the first alone, nor the last, which a flipped bit brings; the third is at a Mark I's."""
+    files = [tmp_path / f"{name}.sv" for name in "abcd"]
+    for file, slot in zip(files, (14, 14, 0, 15), strict=True):
         file.write_text(ANSWERS.format(file.stem, slot))
     with machine(setup("lab500", files[0])) as sim:
         sim.bus_write(0x409, 0x18)
         assert sim.bus_read(14 << 6 | 1) == 0x5A
     for kind in ("speed", "trust"):
-        for cards, slot in ((files[:2], 14), (files[2:], 0)):
+        for cards, slot in ((files[:2], 14), (files[2:3], 0)):
             with pytest.raises(RunError, match=f"two cards answer a read .* slot {slot}"):
                 result(setup("lab500", *cards), kind)
+        plan = setup("lab500", files[0], files[3])
+        with machine(plan, kind) as sim:
+            number = len(sim.input_names()) + inputs(card_of(plan)).index("seu.d.slot_q")
+            sim.add_event(0, number, 0, 1)
+            sim.bus_write(0x409, 0x18)
+            assert sim.run(1e-4) and sim.bus_read(14 << 6 | 1) == 0x5A and sim.run(2e-4)
     with pytest.raises(InputError, match="card a has no joints, so it takes no slot"):
         card_of(setup("lab500", files[0], slot=0))
 

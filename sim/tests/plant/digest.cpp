@@ -49,6 +49,8 @@ uint64_t run(mmcs::Plant &plant, int steps) {
 
 int main() {
   auto motors = bench::puma_rotors();
+  motors[2].encoder_offset = -0.3;  // of the disc on the shaft
+  motors[3].index_per_rev = 0;
   motors[4].stiffness = 50.0;
   motors[4].backlash = 0.002;
   motors[4].load_inertia = 0.2;

@@ -140,44 +140,6 @@ TEST(index_once_per_revolution_one_state_wide) {
   CHECK(revolutions >= 15, "%d revolutions", revolutions);
 }
 
-TEST(disc_turned_on_the_shaft_moves_the_index) {
-  mmcs_motor m = wheel(1000);
-  m.encoder_offset = -2 * M_PI * 0.3;
-  auto plant = bench::alone(m);
-  bench::Counter counter(*plant);
-  push(*plant, 100.0, counter);
-  coast(*plant, counter, 4000);
-  CHECK(!counter.index_at(0).empty() && counter.index_at(0)[0] == 300, "index at %d",
-        counter.index_at(0).empty() ? -1 : counter.index_at(0)[0]);
-}
-
-TEST(cut_wires_stop_the_count) {
-  for (const char *name : {"encoder_a_cut", "encoder_b_cut"}) {
-    for (const double level : {1.0, 2.0}) {
-      auto plant = bench::alone(wheel());
-      bench::Counter counter(*plant);
-      plant->set_input(input(name), 0, level);
-      push(*plant, 100.0, counter);
-      coast(*plant, counter, 2000);
-      CHECK(std::abs(counter.count(0)) <= 2, "%s: %d counts", name, counter.count(0));
-      CHECK(plant->count(0) > 1000, "%s: the plant's own count must go on", name);
-    }
-  }
-  auto plant = bench::alone(wheel());
-  bench::Counter counter(*plant);
-  plant->set_input(input("index_missing"), 0, 1.0);
-  push(*plant, 100.0, counter);
-  coast(*plant, counter, 4000);
-  CHECK(counter.index_at(0).empty(), "index pulses although missing");
-  plant->set_input(input("index_missing"), 0, 0.0);
-  plant->set_input(input("encoder_index_cut"), 0, 2.0);
-  coast(*plant, counter, 10);
-  CHECK((plant->pins(0) & 4) != 0, "index not stuck high");
-  mmcs_motor without = wheel();
-  without.index_per_rev = 0;
-  CHECK((bench::alone(without)->pins(0) & 4) == 0, "index of an encoder that has none");
-}
-
 TEST(glitches_come_at_their_rate_and_by_seed) {
   const auto edges_of = [](uint64_t seed) {
     auto plant = bench::alone(wheel(), seed);

@@ -2,11 +2,14 @@
 """sim/service against a recorder of requests: their order, and which refusal is told."""
 
 import errno
+import random
+import re
+import zlib
 from pathlib import Path
 
 import pytest
 
-from mmcs import ROOT, mcdef, setup_file
+from mmcs import ROOT, mcdef, service, setup_file
 from tools.compiled import compiled, ran, written
 
 RECORDER = r"""
@@ -210,3 +213,29 @@ def test_a_position_loop_wakes_up_by_its_period_and_lateness(said, set_up):
     turns = [("0.5", 0), ("0.501", -16), ("0.5021", -16)]
     woken = [line for t, u in turns for line in (f"run {t}", "read 2", f"write 0 {u} 0")]
     assert said("act", 0, 0, 0, file) == [*woken, "= 0" + W]
+
+
+DESIGNED = "4202 85be 0834 c358 7a87 c79b dfe8 8520 c6f8 d7da d53e ba7c"
+METHODS = [*["backward", "bilinear", "prewarp", "matched", "ztransform", "zoh"] * 4, "euler"]
+SCALES = [None, None, None, 1, 4, 256, 256, 1 << 14, 1 << 30, 0, (1 << 30) + 1]
+INTERVALS_S, TAUS, PREWARPS = [*[1e-3, 4e-3, 0.05] * 6, 0], [0, 0, 1e-4, 0.01] * 5, [60, 700, 3200]
+
+
+def test_designs_are_as_ever():
+    """Of random gains by every method, to six digits; refusals by their words. Who means to change
+    them puts the new digests here."""
+    chance, parts = random.Random(1989), []
+    for n in range(1200):
+        p, i, d = (0 if chance.random() < 0.35 else 10 ** chance.uniform(-3, 2) for _ in range(3))
+        gains = [p, i, d / 10, chance.choice([*TAUS, -0.001])]
+        t, prewarp, made = chance.choice(INTERVALS_S), chance.choice([*PREWARPS, 0]), []
+        try:
+            made.append(service.design_discrete(gains, chance.choice(METHODS), t, prewarp))
+            num, den = made[0]["num"], made[0]["den"]
+            made.append(service.design_integers(num, den, chance.choice(SCALES)))
+            made.append(service.design_answer(gains, t))
+        except service.DesignError as no:
+            made.append(str(no))
+        text = re.sub(r"-?\d+\.\d+(e-?\d+)?", lambda m: f"{float(m[0]):.6g}", str(made))
+        parts[n // 100 :] = [zlib.crc32(text.encode(), *parts[n // 100 :])]
+    assert " ".join(f"{part & 0xFFFF:04x}" for part in parts) == DESIGNED
