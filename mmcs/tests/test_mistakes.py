@@ -365,45 +365,6 @@ def test_option_mistake(mmcs, words):
     one_clear_line(mmcs(*words.split(" ")), start=line(OPTIONS[words]))
 
 
-# Of a command: words between single spaces, and a part of what is told.
-TOLD = {
-    "design -p 4 -d 0.1 --method zoh": "improper",
-    "design -p 4 -i 9 -d 0.1 --method ztransform": "improper",
-    "design -p 4 --method zoo": "no such method",
-    "design --robot puma560": "give gains",
-    "design -p 4 --axis 17": "axes 0 to",
-    "design -p 1 --axis 6": "axes 0 to 5",
-    "design -p 4 --scale 0": "scale = 0",
-    "design -p 4 --interval 0": "must be positive",
-    "design --wn 60 -p 3": "--wn: pass -p, -i and -d, or let --wn",
-    "design --zeta 0.7 -p 3": "--zeta is the damping for --wn",
-    "design --wn 60 --tau 0.001 --kick 50": "leave out --tau",
-    "design -p 3 -d 0.1 --kick 0": "--kick 0",
-    "design -d 1e300 --kick 1": "--kick 1",
-    "design --wn 0.1 --zeta 0.1": "friction alone damps more",
-    "design -p 3.4 -d 0.01 --kick 0.04 --scale 4": "rounding moves it by more; take a larger",
-    "exec --scenario lab500 -- ./nothing": "no such program",
-    "campaign --faults 0": "--faults = 0: must be 1 to 1000000",
-    "campaign --sort pins": "must be one of register, line, pin, message, kill",
-    "campaign arm_move arm_move": "is named twice",
-    "campaign fault_estop": "a campaign wants a motion without events, processes and programs",
-    "campaign user_loop": "a campaign wants a motion without events, processes and programs",
-    "campaign --workers 0": "must be 1 to 256",
-    "campaign --workers 1 --dask tcp://x": "not with --dask",
-    "campaign arm_calibrate --set axis.all.ilimax=20": "stops by itself 0.044 s after it",
-    "campaign --resume --out /tmp": "holds no campaign to go on with",
-    "campaign --stops": "wants a robot, or scenarios",
-    "campaign --stops fault_estop": "nothing to stop: fault_estop: it has a [[event]]",
-    "campaign --stops lab500 --sort pin": "goes with scenarios, a robot, --set,",
-    "check sim/robots/lab500.toml --set a=1": "overrides keys of scenarios, not of robot files",
-}
-
-
-@pytest.mark.parametrize("words", TOLD)
-def test_command_mistake(mmcs, words):
-    one_clear_line(mmcs(*words.split(" ")), TOLD[words])
-
-
 LONG = "9" * 5000
 ENDLESS = [  # cut in what is told
     f"campaign --seed {LONG}", f"run lab500 {LONG}", f"check lab500 --set {'a.' * 900}a=1",

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """All that commands print and write, and what functions return, as ever (tools/golden.py)."""
 
+import contextlib
 import dataclasses
 import itertools
 import pprint
 import shlex
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,7 +28,7 @@ from mmcs.tests.conftest import call
 from mmcs.tests.talks import TALKS
 from mmcs.tests.test_identify import recording
 from mmcs.tests.test_tool import PD, TOOK
-from mmcs.tool import judge, tune
+from mmcs.tool import judge, launch, tune
 from mmcs.view import chart, film, moments, watched, waves
 from studies import lockstep, one_axis, shrink
 from tools import book, carried, coverage, formal, trace, wavegen
@@ -63,7 +65,29 @@ SESSIONS = {
     ],
     "campaign": ["campaign arm_move --faults 24 --seed 3 --out c --workers 1"],
     "programs": ["exec --robot puma560", "exec --robot lab500 --interval 2000", "exec --cflags",
-                 "exec --cflags --modern"],
+                 "exec --cflags --modern", "exec -- true", "exec", "serve lab500 --dev a/b",
+                 "exec --scenario lab500 -- sh -c 'exit 3'", "exec --scenario lab500 -- ./nothing",
+                 "exec --scenario lab500 --lockstep -- sh -c 'kill -9 $$'", "exec --out o -- true",
+                 "exec --scenario lab500 -- /etc", "exec --realtime --speed 2 -- true",
+                 "exec --scenario lab500 --out o --speed 2 -- true", "exec --speed 2 -- true",
+                 "exec --scenario lab500 --set motion=[] -- true", "serve lab500 --speed 0",
+                 "exec --lockstep --speed 2 -- true", "exec --scenario lab500 --out o -- true"],
+    "mistakes": [
+        "design -p 4 -d 0.1 --method zoh", "design -p 4 -i 9 -d 0.1 --method ztransform",
+        "design -p 4 --method zoo", "design --robot puma560", "design -p 4 --axis 17",
+        "design -p 1 --axis 6", "design -p 4 --scale 0", "design -p 4 --interval 0",
+        "design --wn 60 -p 3", "design --zeta 0.7 -p 3", "design --wn 60 --tau 0.001 --kick 50",
+        "design -p 3 -d 0.1 --kick 0", "design -d 1e300 --kick 1", "design --wn 0.1 --zeta 0.1",
+        "design -p 3.4 -d 0.01 --kick 0.04 --scale 4", "campaign --faults 0",
+        "campaign --sort pins", "campaign arm_move arm_move", "campaign fault_estop",
+        "campaign user_loop", "campaign --workers 0", "campaign --workers 1 --dask tcp://x",
+        "campaign arm_calibrate --set axis.all.ilimax=20", "campaign --resume --out .",
+        "campaign --stops", "campaign --stops fault_estop",
+        "campaign --stops lab500 --sort pin",
+        f"check {ROBOTS / 'lab500.toml'} --set a=1",
+    ],
+    "mctool": ["tool --no-browser no_such_scenario", "tool --attach nobody", "tool -t -5",
+             "tool --theme 2089", "tool --attach a/b", "tool lab500 --sheets nowhere"],
 }  # fmt: skip
 NOT_TOLD = (".fst", ".jsonl", ".toml", ".txt")
 
@@ -72,6 +96,7 @@ NOT_TOLD = (".fst", ".jsonl", ".toml", ".txt")
 def test_what_commands_print_and_write(session, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     answers = []
     for words in SESSIONS[session]:
         status, out, err = call(*shlex.split(words))
@@ -114,6 +139,21 @@ def a_chart():
     cell.rule("#abcdef", 0.5, x=1.0)
     return [chart.ticks(a, b, 5) for a, b in ((0, 1.25), (-1020, 1020), (8e-4, 42e-4))], (
         chart.picture([cell], 300, 200, "R&D").splitlines())  # fmt: skip
+
+
+def flexible(stiffness, damping):
+    robot = load_robot("puma560")[1]
+    more = {"stiffness": stiffness, "damping": damping}
+    some = [one.model_copy(update=more) if n % 3 else one for n, one in enumerate(robot.axis)]
+    return stiff_joints(robot.model_copy(update={"axis": some}))
+
+
+def options(words):
+    """What `mmcs tool` starts."""
+    started, run = [], SimpleNamespace(address="http://there", wait=lambda: None)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(launch, "start", lambda *a: started.append(a) or contextlib.nullcontext(run))
+        return started, call("tool", *words.split())
 
 
 def a_campaign():
@@ -186,8 +226,10 @@ VALUES = {
         load("puma560").about(), *(load("puma560").robot.motors(coupled) for coupled in (0, 1)),
         film.arm_points(load("puma560").robot.links(), np.arange(6) / 7).tolist(),
         mass_matrix(load_robot("puma560")[1].link, np.arange(6) / 7).tolist(),
-        stiff_joints(load_robot("puma560")[1]),
+        *map(flexible, (0, 1e3, 1e8), (0, 1, 1e5)), flexible(1e3, 1e7),
     ],
+    "options": lambda _: [options("lab500"), options(
+        "lab500 -t 2 -u -z --deadman 300 --theme 1989 --port 5 --no-browser")],
     "chart": lambda _: a_chart(),
     "campaign drawn": lambda _: a_campaign(),
     "waves": lambda _: a_wave(),

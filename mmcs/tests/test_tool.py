@@ -17,7 +17,6 @@ from mmcs import ROOT
 from mmcs.device.client import Device
 from mmcs.device.sockets import socket_path
 from mmcs.mcdef import M_VERBOSE
-from mmcs.tests.conftest import one_clear_line
 from mmcs.tests.device_bench import write_scenario
 from mmcs.tool import gateway, launch, pages
 from mmcs.tool.advisor import Advisor
@@ -150,18 +149,6 @@ def test_a_machine_waits_for_nobody_to_hear_the_driver(mc0, tmp_path):
         assert machine.poll() is None
     finally:
         _end(machine)
-
-
-@pytest.mark.req("TOOL-1")
-@pytest.mark.parametrize("arguments,word", [
-    (["no_such_scenario"], "no_such_scenario"),
-    (["--attach", "nobody"], "--attach"),
-    (["-t", "-5"], "-t"),
-    (["--theme", "2089"], "2089"),
-])  # fmt: skip
-def test_bad_arguments_are_one_line(mmcs, mc0, monkeypatch, arguments, word):
-    monkeypatch.setattr(launch, "check_libraries", lambda: None)  # `make tool` installs them
-    one_clear_line(mmcs("tool", "--no-browser", *arguments), word)
 
 
 @pytest.mark.req("TOOL-1")
