@@ -33,12 +33,11 @@ SKIPPED = {"tests", "package.json", "package-lock.json", "main.js", "index.html"
 # of mctool's page, what the site's own has instead
 OWN_PAGE = {"<title>mctool<": "<title>MMCS: the machine in a page<", '"main.js"': '"site.js"'}
 STRUCTURES = ("mmcs_overrides", "mmcs_call", "mmcs_server", "mmcs_client", "mmcs_timed_event",
-              "mmcs_event", "mmcs_stats", "mmcs_tap_head", "mmcs_change",
+              "mmcs_event", "mmcs_tap_head", "mmcs_change",
               "struct mc_param")  # fmt: skip
 # name of a C type: letter for web/engine/sim.js, bytes where pointers have four
 KINDS = {"double": ("d", 8), "int32_t": ("i", 4), "int": ("i", 4), "uint32_t": ("u", 4),
-         "int64_t": ("q", 8), "uint64_t": ("q", 8), "size_t": ("u", 4),
-         "char": ("s", 1)}  # fmt: skip
+         "int64_t": ("q", 8), "uint64_t": ("q", 8), "size_t": ("u", 4)}  # fmt: skip
 
 
 def main() -> None:
@@ -141,16 +140,14 @@ def protocol() -> dict:
 
 
 def layout(name: str) -> dict:
-    """{size, fields: {name: [offset, letter, bytes of an element]}}."""
+    """{size, fields: {name: [offset, letter]}}."""
     at, widest, fields = 0, 1, {}
     for field, info in make_ffi().typeof(name).fields:
-        kind, count = info.type, 1
-        if kind.kind == "array":
-            kind, count = kind.item, kind.length
+        kind = info.type
         letter, size = ("u", 4) if kind.kind == "pointer" else KINDS[kind.cname]
         at = -(-at // size) * size
-        fields[field] = [at, letter, size]
-        at, widest = at + count * size, max(widest, size)
+        fields[field] = [at, letter]
+        at, widest = at + size, max(widest, size)
     return {"size": -(-at // widest) * widest, "fields": fields}
 
 

@@ -24,11 +24,10 @@ const FRAME_MS = 17;
 const LONGEST_MS = 600_000;
 const ROOMS = { global: header, state: banner, tiles, panels, timebar: timeBar };
 
-const asked = new URLSearchParams(location.search);
-
 /** The page of a machine: carrier of its messages, its workers {advice, labs}, whether to take control at
  * once, and how long the page may then be silent. Throws one sentence. */
 export function run(carrier, workers, control, deadman_ms = 250) {
+  const asked = new URLSearchParams(location.search);
   document.body.dataset.theme = asked.get("theme") ?? "";
   const silence_ms = askedNumber(asked, "deadman", 50, LONGEST_MS, deadman_ms);
   const interval_ms = askedNumber(asked, "t", 0, 1000, null);
@@ -68,7 +67,7 @@ export function run(carrier, workers, control, deadman_ms = 250) {
     askOldest(page);
     window.mctool = { machine, page, arm }; // for tests and for people who look under the hood
     // last: from here on a page that is busy for 250 ms stops the machine
-    if (control && machine.hello.lease === null) await begin(machine, interval_ms);
+    if (control && machine.hello.lease === null) await begin(machine, interval_ms, asked.has("z"));
     document.body.classList.add("ready");
   }, { once: true });
   return page;
@@ -96,7 +95,7 @@ function drawPictures(pictures) {
   );
 }
 
-async function begin(machine, interval_ms) {
+async function begin(machine, interval_ms, zeroes) {
   while (!machine.stopPath)
     await new Promise(heard => machine.on("stopPath", heard, { once: true }));
   await machine.try(machine.takeControl());
@@ -104,7 +103,7 @@ async function begin(machine, interval_ms) {
     const value = Math.round(interval_ms * 1000);
     await machine.try(machine.link.call("MSETINTERVAL", { value }));
   }
-  for (let axis = 0; asked.has("z") && axis < machine.hello.axes; axis++)
+  for (let axis = 0; axis < (zeroes ? machine.hello.axes : 0); axis++)
     await machine.try(machine.link.call("MSETENC", { value: axis }));
   await machine.read();
 }

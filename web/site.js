@@ -124,11 +124,12 @@ function repeatMotion(page) {
   let began = null; // s
   let last = [];
   let asks = false;
+  const touched = new Set();
   const again = async () => {
     const { history, enabled, controls } = machine;
     const axes = page.axes.filter(({ param }) => param);
     const over = document.body.dataset.hash && axes.every(({ mode }) => mode === "pos");
-    if (asks || !over || !enabled || !controls) return;
+    if (asks || touched.size || !over || !enabled || !controls) return;
     if (began === null) [began, last] = [history.now, axes.map(({ setpoint }) => setpoint)];
     const share = (1 - Math.cos((2 * Math.PI * (history.now - began)) / TO_AND_FRO_S)) / 2;
     asks = true;
@@ -136,10 +137,9 @@ function repeatMotion(page) {
     await machine.try(Promise.all(back));
     asks = false;
   };
-  const ends = new AbortController();
-  machine.on("samples", again, { signal: ends.signal });
+  machine.on("samples", again);
   for (const type of TOUCHES)
-    document.addEventListener(type, () => ends.abort(), { capture: true });
+    document.addEventListener(type, () => touched.add(type), { capture: true });
 }
 
 /** STOP has a way of its own to the Worker: it works while this page's stream floods. */

@@ -2,7 +2,7 @@
 // The simulated machine in a page: sim/abi/mmcs_sim.h in WebAssembly, as mmcs/engine/sim.py is for
 // Python. The layouts of its structures come from the header (tools/website.py).
 
-const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64", s: "text" };
+const READERS = { d: "getFloat64", i: "getInt32", u: "getUint32", q: "getBigInt64" };
 const WRITERS = { d: "setFloat64", i: "setInt32", u: "setUint32", q: "setBigInt64" };
 const TEXT = 300; // bytes
 const ROOM = 1 << 17; // bytes for arguments and what comes back
@@ -105,19 +105,14 @@ export class Sim {
   #put(at, name, values) {
     const view = this.#view;
     for (const [field, value] of Object.entries(values)) {
-      const place = this.layouts[name].fields[field];
-      if (!place) throw new Error(`${name} has no ${field}`);
-      const [offset, kind, step] = place;
-      [value].flat().forEach((one, n) =>
-        view[WRITERS[kind]](at + offset + n * step, kind === "q" ? BigInt(one) : one, true)
-      );
+      const [offset, kind] = this.layouts[name].fields[field];
+      view[WRITERS[kind]](at + offset, kind === "q" ? BigInt(value) : value, true);
     }
   }
 
   #get(at, name) {
     const view = this.#view;
     const read = ([offset, kind]) => {
-      if (kind === "s") return this.#m.UTF8ToString(at + offset);
       const value = view[READERS[kind]](at + offset, true);
       return kind === "q" ? Number(value) : value;
     };

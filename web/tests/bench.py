@@ -40,15 +40,8 @@ class Desk:
     def stop_frame(self):
         return self.page.frames[1]
 
-    def choose(self, axis: int, page=None) -> None:
-        """The panel of that axis is the one shown."""
-        (page or self.page).click(f"#tile{axis}")
-
     def param(self, axis: int) -> dict:
         return self.link.request("call", request="MGETPARAM", axis=axis)["param"]
-
-    def latest(self, axis: int) -> dict:
-        return self.page.evaluate("n => mctool.machine.history.latest(n)", axis)
 
     def state(self) -> dict:
         return self.link.request("hello")

@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page in a real browser: a machine, its tool, and Chromium."""
 
-import os
 import shutil
-import subprocess
 
 import pytest
 from bench import PATIENCE_S, Desk
 from playwright.sync_api import sync_playwright
 
-from mmcs.device.execute import environment
-from mmcs.device.sockets import socket_path
-from mmcs.tests.device_bench import EXAMPLES, compile_1989
-from mmcs.tool.launch import _end, _serve, start
+from mmcs.tool.launch import start
 
 FLAGS = [
     "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -41,21 +36,3 @@ def desk(browser, request):
     errors = found.page.errors
     found.close()
     assert errors == []
-
-
-@pytest.fixture
-def attached():
-    """A machine that is there before its tool: its socket, and what starts the program bounce."""
-    name = f"attach-{os.getpid()}"
-    socket, started = socket_path(name), []
-    program = compile_1989(EXAMPLES / "bounce.c")
-    machine = _serve("puma560", name, socket)
-
-    def bounce():
-        quiet = {"stdout": subprocess.DEVNULL, "env": environment(socket)}
-        started.append(subprocess.Popen([program, "-n100000"], **quiet))
-        return started[0]
-
-    yield socket, bounce
-    for one in (*started, machine):
-        _end(one)

@@ -8,7 +8,7 @@ from bench import picture, saved, unfold
 
 from mmcs import ensure_library
 from mmcs_labs.marks import grade, read_answer
-from mmcs_labs.sheets import LABS, find_sheet, sheets
+from mmcs_labs.sheets import LABS, find_sheet
 
 ROWS = """() => [...document.querySelectorAll("#lab-marks tbody tr")]
   .map((row) => [...row.cells].map((cell) => cell.textContent))"""
@@ -43,10 +43,6 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     ensure_library(1, "speed")  # the page would wait for it, too, but not the test
     page = desk.page
     open_sheet(desk, 1)
-    titles = page.locator("#lab-sheet button").all_text_contents()
-    assert titles == [f"{sheet.number} {sheet.title}" for sheet in sheets()]
-    assert "mmcs run speed.toml" in page.inner_text(".lab-text")
-    assert "mmcs lab start 1" in page.inner_text("#lab-commands")
     sheet = find_sheet("1")
     for student in ("bad", "good"):  # the manual has no right answers
         path = LABS / "01_velocity" / "tests" / f"{student}.toml"
@@ -63,13 +59,4 @@ def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     saved(page, "#lab-save", tmp_path)
     assert read_answer(sheet, tmp_path) == read_answer(sheet, path)
     page.fill("#lab-mean_cps", "1,5x")
-    typing = page.query_selector("#lab-mean_cps")
-    unfold(page, "#lab-sheet", "1")  # the one that is shown: no key press is lost
     assert check(desk).startswith("answer.toml: ") and page.is_hidden("#lab-marks")
-    assert typing.evaluate("field => field.isConnected")
-    unfold(page, "#lab-sheet", "7")
-    desk.until("() => document.getElementById('lab-stall_ms')")
-    unfold(page, "#lab-sheet", "1")
-    desk.until("() => document.getElementById('lab-mean_cps')")
-    assert page.input_value("#lab-mean_cps") == "1,5x"  # what was typed is kept
-    assert page.evaluate("() => mctool.machine.controls")  # grading goes on beside the machine

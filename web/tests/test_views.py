@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scope, faults, registers, the past, and a stream without a loss, in a real browser."""
 
-import re
-
 import pytest
 from bench import enable, pick, saved
-from test_page import choose, enter
+from test_page import enter
 
 pytestmark = pytest.mark.req("TOOL-1")
 STREAM_S = 60.0
@@ -16,13 +14,6 @@ NUMBERS = """(first) => {
   for (let row = first + 1; row < history.end; row++)
     gaps += history.number(row) !== history.number(row - 1) + 1;
   return { gaps, rows: history.end - first };
-}"""
-
-CHOOSE = """(share) => {
-  const slider = document.getElementById("rewind");
-  slider.value = share * 1000;
-  slider.dispatchEvent(new Event("input"));
-  return mctool.page.moment;
 }"""
 
 
@@ -86,20 +77,10 @@ def test_fingers_carry_and_stretch_the_scope(desk):
     left, right = page.evaluate(view)
     wide = right - left
     assert wide == pytest.approx(before[1] - before[0])
-    narrower = f"wide => {{ const [a, b] = ({view})(); return b - a < wide }}"
-    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 60)
-    page.mouse.wheel(0, -200)
-    desk.until(narrower, 0.9 * wide)
     fingers("touchStart", 0.4, 0.6)
     fingers("touchMove", 0.3, 0.7)
     fingers("touchEnd")
-    desk.until(narrower, 0.6 * wide)
-    left, _ = page.evaluate(view)
-    page.press(".screen", "ArrowLeft")
-    assert page.evaluate(view)[0] < left
-    page.press(".screen", "0")  # rolls on
-    page.press("#scope-window", "End")
-    desk.until(f"() => {{ const [a, b] = ({view})(); return b - a > 599 }}")  # all that is kept
+    desk.until(f"wide => {{ const [a, b] = ({view})(); return b - a < wide }}", 0.6 * wide)
 
 
 def test_panes_stand_side_by_side_as_a_person_left_them(desk):
@@ -120,112 +101,9 @@ def test_panes_stand_side_by_side_as_a_person_left_them(desk):
     page.focus("#splitter-axis")
     page.keyboard.press("ArrowLeft")
     assert page.evaluate(wide, "#axis") < axis
-    assert desk.latest(0)["setpoint"] == 0  # nothing was nudged
+    now = "() => mctool.machine.history.latest(0).setpoint"
+    assert page.evaluate(now) == 0  # nothing was nudged
     left = [page.evaluate(wide, one) for one in ("#axis", ".scope", ".registers")]
     page.reload()
     page.wait_for_selector("body.ready")
     assert left == [page.evaluate(wide, one) for one in ("#axis", ".scope", ".registers")]
-
-
-def test_back_to_a_moment_and_on_from_there(desk):
-    page = desk.page
-    page.evaluate("() => mctool.machine.link.request('ring', { every_s: 0.1, count: 40 })")
-    desk.eventually(lambda: desk.state()["time"] > 5)
-    before = page.evaluate(CHOOSE, 0.6)
-    desk.eventually(lambda: abs(float(page.inner_text("#time")[:-2]) - before) < 0.02)
-    page.click("#now")
-    page.click("#pause")
-    desk.eventually(lambda: desk.state()["paused"])
-    then = desk.state()["time"]
-    kept = [s["t"] for s in desk.link.request("snapshots")["snapshots"]]
-    # the page asks twice a second how far back the ring reaches
-    desk.eventually(lambda: page.evaluate(CHOOSE, 0.3) >= kept[0])
-    wanted = page.evaluate("() => mctool.page.moment")
-    page.click("#rewind-go")
-    desk.eventually(lambda: desk.state()["time"] < then - 0.5)
-    back = desk.state()["time"]
-    assert back == pytest.approx(max(t for t in kept if t <= wanted), abs=1e-6)
-    desk.until("() => mctool.page.moment === null")  # it has heard of it
-    page.evaluate("t => mctool.page.look(t)", back)
-    page.click("#waves")
-    desk.until("() => document.querySelector('.waves').dataset.from")
-    assert float(page.input_value("#waves-t")) == pytest.approx(back, abs=1e-6)
-    page.evaluate("() => mctool.page.look(null)")
-    page.click("#step")
-    desk.eventually(lambda: desk.state()["time"] > back)
-    page.click("#pause")
-    desk.eventually(lambda: desk.state()["time"] > then)
-
-
-def test_minutes_are_saved_without_a_pause_of_the_page(desk, tmp_path):
-    """Text is made by a Worker, a chunk at a time, so the page says that it is there."""
-    page = desk.page
-    page.evaluate("""() => {
-      const { history } = mctool.machine;
-      const rows = 120_000, ints = new Array(history.rowInts).fill(-123456);
-      for (let n = 0; n < rows; n++) history.add(n, history.now + 0.001, ints);
-      window.turns = 0;
-      const turn = () => { turns++; setTimeout(turn) };
-      turn();
-    }""")
-    page.click("#scope-more")
-    path = saved(page, "#scope-save", tmp_path)
-    assert len(path.read_text().splitlines()) > 120_000
-    # the page's own turns come between the pieces, of which there are fifteen
-    assert page.evaluate("() => turns") >= 15
-
-
-HOLD = """() => {
-  const ask = window.requestAnimationFrame;
-  window.requestAnimationFrame = (f) => (window.holds ? heldFrames.push(f) : ask(f));
-  Object.assign(window, { heldFrames: [], holds: true });
-}"""
-
-
-def test_state_waits_for_no_frame(desk):
-    """A lid closed, a hidden tab, a slow GPU: lamps, banner and count go on, pictures come back."""
-    page = desk.page
-    choose(desk, "mode", "pos", lambda mode: mode == 1, 4)
-    page.evaluate(HOLD)
-    desk.until("() => heldFrames.length")  # the page waits for its next frame, which does not come
-    enable(page)
-    desk.until("() => document.querySelector('.lamp').textContent.includes('servo on')")
-    desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
-    enter(page, "#axis4-setpoint", "694")
-    desk.until("() => mctool.machine.history.latest(4).setpoint === 694")
-    desk.eventually(lambda: abs(int(page.inner_text("#axis4-count")) - 694) < 200)
-    assert page.evaluate("() => heldFrames.length") == 1
-    page.evaluate(WRITTEN)
-    page.wait_for_timeout(600)  # longer than pictures are apart
-    assert page.evaluate("() => written.length") == 0
-    page.evaluate("""() => {
-      holds = false;
-      heldFrames.splice(0).forEach((f) => f(performance.now()));
-    }""")
-    desk.until("() => written.length")
-
-
-WRITTEN = """() => {
-  window.written = [];
-  const write = CanvasRenderingContext2D.prototype.fillText;
-  CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {
-    written.push([this.textAlign, String(text)]);
-    write.call(this, text, ...at);
-  };
-}"""
-
-
-def test_counts_have_whole_ticks_and_coherence_is_drawn(desk):
-    page = desk.page
-    for name in ("error 0", "current 0"):  # one lane, with room for many ticks
-        page.get_by_label(f"remove {name}").click()
-    page.evaluate(WRITTEN)
-    desk.until("() => written.length > 40")
-    ticks = {text for align, text in page.evaluate("() => written") if align == "right"}
-    assert len(ticks) > 1 and all(re.fullmatch(r"[-−]?[\d,]+", tick) for tick in ticks), ticks
-    page.evaluate("""() => { mctool.page.advice.request = async () =>
-      ({ hz: [1, 40], gain_db: [0, -9], phase_deg: [0, -90], coherence: [1, 0.5] }) }""")
-    enable(page)
-    page.click("#tab-tune")
-    page.click("#bode-go")
-    desk.until("() => written.some(([, text]) => text === 'coherence')")

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from bench import TELEPHONE, enable, picture, saved, unfold, until
+from bench import TELEPHONE, enable, picture, saved, until
 
 from mmcs import BUILD, load, parse, replay, simulate
 
@@ -89,20 +89,6 @@ def test_stop_works_and_a_hung_page_stops_the_machine(opened):
     until(page, "!mctool.machine.enabled && !mctool.machine.controls")
 
 
-def test_back_to_a_moment_and_on_from_there(opened):
-    page = opened("?scenario=lab500&plays=0&deadman=240000")
-    until(page, "mctool.machine.history.now > 1")
-    page.click("#pause")
-    before = page.evaluate("() => mctool.machine.history.now")
-    page.evaluate("t => mctool.page.look(t)", before - 0.5)
-    page.click("#rewind-go")
-    until(page, f"mctool.machine.history.now < {before}")
-    page.click("#pause")
-    until(page, f"mctool.machine.history.now > {before}")
-    page.keyboard.press("1")  # the card's other axis
-    until(page, "document.getElementById('axis1-panel').textContent.includes('No motor is')")
-
-
 def test_it_works_without_a_network(opened):
     page = opened("?scenario=lab500&speed=0")
     page.evaluate("() => navigator.serviceWorker.ready")
@@ -153,31 +139,3 @@ def test_the_first_motion_comes_soon(opened):
     page.click("#tab-machine")
     page.wait_for_timeout(800)
     picture(page, "web")
-
-
-def test_a_motion_repeats_until_the_first_input(opened):
-    page = opened("?scenario=lab500&deadman=240000")
-    finished(page)
-    setpoint = "mctool.machine.setpoint(0)"
-    for _ in range(2):
-        last = page.evaluate(f"() => {setpoint}")
-        page.wait_for_function(f"last => Math.abs({setpoint} - last) > 20", arg=last)
-    page.keyboard.press("Tab")
-    page.wait_for_timeout(500)  # what was asked for before has come
-    last, t = page.evaluate(f"() => [{setpoint}, mctool.machine.history.now]")
-    page.wait_for_function("t => mctool.machine.history.now > t + 1", arg=t)
-    assert page.evaluate(f"() => {setpoint}") == last
-
-
-def test_the_lab_sheets_are_there_and_checking_names_the_command(opened):
-    page = opened("?scenario=lab500&plays=0")
-    page.click("#tab-labs")
-    page.wait_for_selector("#lab-unit_cps")
-    assert page.locator("#lab-sheet button:has-text('not graded here')").count() == 9
-    unfold(page, "#lab-sheet", "7")
-    page.fill("#lab-stall_ms", "50")
-    page.click("#lab-check")
-    until(page, "document.getElementById('lab-said').textContent !== ''")
-    assert "needs Python" in page.inner_text("#lab-said")
-    assert "mmcs lab check 7 answer.toml" in page.inner_text("#lab-said")
-    assert page.is_hidden("#lab-marks")
