@@ -4,10 +4,12 @@
 May know: every room of mmcs. No room of mmcs knows it.
 """
 
+import resource
+import subprocess
 import sys
 from collections.abc import Callable
 
-from mmcs import InputError, RunError
+from mmcs import ROOT, InputError, RunError
 
 
 def run(main: Callable[[], int | None]) -> None:
@@ -17,3 +19,14 @@ def run(main: Callable[[], int | None]) -> None:
     except (InputError, RunError) as error:
         print(f"mmcs: {error}", file=sys.stderr)
         sys.exit(2 if isinstance(error, InputError) else 1)
+
+
+def carried_out(command: list, good: tuple = (0,), **how) -> tuple[str, float]:
+    """What a program has said, and processor seconds of it and of all that it started."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False, **how)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode not in good:
+        said = (done.stderr or done.stdout).strip()[-400:]
+        raise SystemExit(f"mmcs: {' '.join(map(str, command))[:60]}... failed: {said}")
+    return done.stdout, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

@@ -12,20 +12,19 @@ import os
 import resource
 import shutil
 import statistics
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import mmcs
 from mmcs import BUILD, ROBOTS, ROOT, Files, Session, machine, mcdef, read_toml
-from studies import replay
+from studies import carried_out, replay
 from tools.pages import committed, rewrite
 
 FOLDER = BUILD / "bench"
 PAGE = ROOT / "docs" / "evidence" / "bench.md"
 MEASURED = "rtl sim firmware mmcs"  # what the figures depend on
-LEAST_CPU_S = 0.25  # of a measurement
+ROUNDS, LEAST_CPU_S = 7, 0.25  # of a measurement
 TYPICAL = "6 axes, coupled PUMA, typical"
 LOADS = {  # cards, with an arm, what it does
     TYPICAL: (3, True, "typical"),
@@ -123,15 +122,7 @@ def environment() -> dict[str, str]:
 
 def cpu(command: list, good: tuple = (0,)) -> float:
     """Processor seconds of a program and of all that it started."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(
-        command, cwd=ROOT, env=environment(), text=True, capture_output=True, check=False
-    )
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode not in good:
-        said = (done.stderr or done.stdout).strip()[-300:]
-        raise SystemExit(f"mmcs: bench: {' '.join(map(str, command))} failed: {said}")
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return carried_out(command, good, env=environment())[1]
 
 
 def mmcs_cpu(*words, good: tuple = (0,)) -> float:
@@ -239,13 +230,9 @@ began = time.process_time(); mmcs.run(setup); print(time.process_time() - began)
 def wasm(scenario: str) -> float:
     """The page's machine in node, as a share of the native one's speed."""
     ratio = ROOT / "web" / "tests" / "site" / "ratio.mjs"
-    told = [
-        subprocess.run(command, cwd=ROOT, env=environment(), text=True, capture_output=True,
-                       check=True)
-        for command in (["node", ratio, BUILD / "web", scenario],
-                        [sys.executable, "-c", NATIVE, scenario])
-    ]  # fmt: skip
-    return float(told[1].stdout) / json.loads(told[0].stdout)["cpu_s"]
+    page, _ = carried_out(["node", ratio, BUILD / "web", scenario])
+    native, _ = carried_out([sys.executable, "-c", NATIVE, scenario], env=environment())
+    return float(native) / json.loads(page)["cpu_s"]
 
 
 # --- the page ------------------------------------------------------------------------------------
@@ -315,17 +302,12 @@ def row(name: str, values: list[float]) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--only", choices=("simulators", "loads"))
-    given = parser.parse_args()
+    argparse.ArgumentParser(description=__doc__).parse_args()
     committed(MEASURED)
     for measure in (loads, simulators):  # memory in a process that has had no machine
-        if given.only not in (None, measure.__name__):
-            continue
-        found = measure(given.rounds)
+        found = measure(ROUNDS)
         lines = [
-            f"{given.rounds} rounds, {len(os.sched_getaffinity(0))} cores.",
+            f"{ROUNDS} rounds, {len(os.sched_getaffinity(0))} cores.",
             "",
             "| load | this | least to greatest | wanted |",
             "|---|---|---|---|",

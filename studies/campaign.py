@@ -55,17 +55,16 @@ def mmcs(*words: object) -> None:
         raise SystemExit(status)
 
 
-def run(faults: int, healthy: int, workers: int | None) -> None:
+def run(faults: int, healthy: int) -> None:
     """All that is missing of the campaigns and of the healthy runs."""
-    crew = ["--workers", workers] if workers else []
     for variant, sets in VARIANTS.items():
         place, typed = folder_of(variant), [w for text in sets for w in ("--set", text)]
         print(f"{variant}: {faults} faults, {healthy} healthy runs", flush=True)
-        mmcs("campaign", "--faults", faults, "--out", place, *typed, *crew)
+        mmcs("campaign", "--faults", faults, "--out", place, *typed)
         for motion in MOTIONS:
             mmcs("sweep", motion, "--random", "seed=1..1000000", "--random",
                  "host.latency_max_us=1.0..400.0", "--samples",
-                 max(1, healthy // len(MOTIONS)), "--set", "expect=[]", *typed, *crew,
+                 max(1, healthy // len(MOTIONS)), "--set", "expect=[]", *typed,
                  "--out", place / motion)  # fmt: skip
 
 
@@ -153,10 +152,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--faults", type=int, default=FAULTS, help=f"of each variant; {FAULTS}")
     parser.add_argument("--healthy", type=int, default=HEALTHY, help=f"runs of each; {HEALTHY}")
-    parser.add_argument("--workers", type=int)
     given = parser.parse_args()
     committed(MEASURED)
-    run(given.faults, given.healthy, given.workers)
+    run(given.faults, given.healthy)
     if not (FOLDER / "stops" / "report.md").is_file():
         mmcs("campaign", "puma560", "--stops", "--out", FOLDER / "stops")
     many = "" if given.faults == FAULTS else f" --faults {given.faults}"

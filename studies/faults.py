@@ -30,17 +30,9 @@ class Row(NamedTuple):
 def measure(name: str, fault: str) -> Row:
     """The row of a fault scenario. fault: what the table calls it."""
     result = simulate(load(name, "skip=true"))
-    detected, after_ms = detection(result)
-    cut = load(name, "skip=true", "amp_panic_cut=true")
     panics = any(n["kind"] == "panic" and "high" in n["text"] for n in result.notes)
-    return Row(
-        fault,
-        detected,
-        after_ms,
-        moved(result),
-        moved(simulate(cut)) if panics else [],
-        final_state(result),
-    )
+    cut = moved(simulate(load(name, "skip=true", "amp_panic_cut=true"))) if panics else []
+    return Row(fault, *detection(result), moved(result), cut, final_state(result))
 
 
 def fault_time(result) -> float:

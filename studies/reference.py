@@ -116,16 +116,17 @@ def measured(row: Row, compensation: str) -> dict:
 
 def outside(row: Row, compensation: str) -> list[str]:
     """Which figures of the machine leave the band round the reference: rise, overshoot, error."""
-    rise, overshoot, _ = row.reference(compensation)
-    seen, out = measured(row, compensation), []
+    bound = friction_bound(row, compensation) + 1
+    return _outside(measured(row, compensation), row.reference(compensation)[:2], 3, 0, bound)
+
+
+def _outside(seen: dict, near: tuple, pct: float, error: float, counts: float) -> list[str]:
+    rise, overshoot = near
     both = seen["rise_ms"] is not None and rise is not None
-    if abs(seen["rise_ms"] - rise) > BAND_MS if both else seen["rise_ms"] != rise:
-        out.append("rise")
-    if abs(seen["overshoot_pct"] - overshoot) > 3:
-        out.append("overshoot")
-    if abs(seen["steady_error_counts"]) > friction_bound(row, compensation) + 1:
-        out.append("error")
-    return out
+    left = {"rise": abs(seen["rise_ms"] - rise) > BAND_MS if both else seen["rise_ms"] != rise,
+            "overshoot": abs(seen["overshoot_pct"] - overshoot) > pct,
+            "error": abs(seen["steady_error_counts"] - error) > counts}  # fmt: skip
+    return [name for name, is_off in left.items() if is_off]
 
 
 @functools.cache
@@ -148,15 +149,8 @@ def modelled(axis: int, size: int) -> tuple:
 
 def outside_shipped(axis: int, size: int) -> list[str]:
     """Where the machine leaves the band round one_axis.py."""
-    seen, (rise, overshoot, error) = shipped(size)["axes"][axis], modelled(axis, size)
-    out = []
-    if abs(seen["rise_ms"] - rise) > BAND_MS:
-        out.append("rise")
-    if abs(seen["overshoot_pct"] - overshoot) > 1:
-        out.append("overshoot")
-    if abs(seen["steady_error_counts"] - error) > 3:
-        out.append("error")
-    return out
+    *near, error = modelled(axis, size)
+    return _outside(shipped(size)["axes"][axis], near, 1, error, 3)
 
 
 def document() -> str:

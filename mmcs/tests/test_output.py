@@ -122,6 +122,7 @@ POINTS = Counter(
 )
 REQUIREMENT = {"section": "1", "text": "it moves", "files": ["rtl/mmcs.sv", "rtl/gone.sv"]}
 CHAPTER = "# A\n[b](../../rtl/mmcs.sv) [c](tool.md#d) ![e](../images/loop.svg) <https://f>\n"
+UPSETS = {"a": 4, "b": 1}
 WANTED = {"A-1": REQUIREMENT, "B-2": REQUIREMENT}
 TESTS = {"cocotb_tests/checkers::a": ["A-1", "Z-9"], "cocotb_tests/card/y.py::test_b": ["B-2"]}
 
@@ -253,7 +254,7 @@ VALUES = {
                        book.nav().splitlines()],
     "one axis": lambda _: one_axis.move(load_robot("lab500")[1].axis[0], PD, lambda _: 200, 1e-3,
                                         0.1),
-    "stimulus": lambda _: [list(lockstep.lively(7, 3, 6, lockstep.stranger(7, 3, 6, 99, {"a": 4}))),
+    "stimulus": lambda _: [list(lockstep.lively(7, 3, 6, lockstep.stranger(7, 3, 6, 2000, UPSETS))),
                            list(itertools.islice(lockstep.runs(7), 12)),
                            shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
     **TALKS,

