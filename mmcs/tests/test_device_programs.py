@@ -128,6 +128,30 @@ def test_exec_passes_an_end_on_and_leaves_nothing(mc0, tmp_path, number):
     assert not list(mc0.parent.iterdir())
 
 
+@pytest.mark.parametrize("early", [True, False])
+def test_a_program_ends_with_what_runs_it(tmp_path, monkeypatch, early):
+    """By a signal that comes before the program does, and by an error while it runs."""
+    told, start, begun = tmp_path / "pid", execute._start, []
+    program = ["sh", "-c", f"echo $$ > {told}; exec sleep 1000"]
+    handlers = [signal.getsignal(n) for n in (signal.SIGTERM, signal.SIGINT)]
+
+    def starting(*given):
+        if early:
+            os.kill(os.getpid(), signal.SIGTERM)
+        begun.append(start(*given))
+        return begun[0]
+
+    def step():
+        if not early and told.exists() and told.read_text():
+            raise BlockingIOError
+
+    monkeypatch.setattr(execute, "_start", starting)
+    with contextlib.nullcontext() if early else pytest.raises(BlockingIOError):
+        assert execute._run(program, dict(os.environ), step) == 128 + signal.SIGTERM
+    assert begun[0].returncode == -(signal.SIGTERM if early else signal.SIGKILL)
+    assert handlers == [signal.getsignal(n) for n in (signal.SIGTERM, signal.SIGINT)]
+
+
 @pytest.mark.req("DRV-5")
 def test_what_the_driver_says_reaches_those_who_run_programs(served):
     """At a server that runs elsewhere, up to the last line before the program ended."""
