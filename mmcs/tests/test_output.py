@@ -4,6 +4,7 @@
 import contextlib
 import dataclasses
 import itertools
+import math
 import pprint
 import shlex
 from collections import Counter
@@ -18,6 +19,7 @@ from mmcs.bridge import fmu
 from mmcs.cli.app import main
 from mmcs.runs.metrics import step_response
 from mmcs.scenario.arm import mass_matrix, stiff_joints
+from mmcs.scenario.describe import robot_cautions
 from mmcs.scenario.files import named
 from mmcs.scenario.identify import IdentifyError, Motor, frequency, identify
 from mmcs.scenario.load import load, load_robot
@@ -27,7 +29,7 @@ from mmcs.sweeps import campaign, campaign_report, classes, faults
 from mmcs.tests.conftest import call
 from mmcs.tests.talks import TALKS
 from mmcs.tests.test_identify import recording
-from mmcs.tests.test_tool import PD, TOOK
+from mmcs.tests.test_tool import PD, TOOK, advise
 from mmcs.tool import judge, launch, tune
 from mmcs.view import chart, film, moments, watched, waves
 from studies import lockstep, one_axis, shrink
@@ -43,7 +45,7 @@ SESSIONS = {
     "check": [f"check {name}" for name in (*named(), *map(str, sorted(ROBOTS.glob("*.toml"))))],
     "step": [
         "run lab500 --out a --bus", "run lab500_nocomp --out b", "compare a b", "replay a",
-        "trace a --at 0.05 --window 2 --out a/t.fst", "export mcap a",
+        "trace a --at 0.05 --window 2 --out a/t.fst", "export mcap a", "export film a",
     ],
     "arm": ["run puma560_reach --out arm", "export mcap arm"],
     "calibrate": ["run puma560_calibrate --out arm"],
@@ -86,6 +88,16 @@ SESSIONS = {
         "campaign --stops lab500 --sort pin",
         f"check {ROBOTS / 'lab500.toml'} --set a=1",
     ],
+    "cautions": [f"check {name} --set {more}" for name, *sets in (
+        ("lab500", "axis.0.mode=off", "axis.0.ilim=2100", "axis.0.a0=40000", "interval_us=100",
+         "axis.0.a0=4600", "'event=[{at=9, input=\"estop\", value=1}]'", "pose_deg=[1,2]",
+         "robot.axis.0.stiffness=5", "'call=[{request=\"MSETPARAM\", at=0.1}]'",
+         "axis.0.a0=-40 --set axis.0.a1=0", "'call=[{request=\"MENABLE\", at=0.1, set={a0=1}}]'"),
+        ("puma560_hold", "pose_deg=[999,0,0,0,0,0]", "pose_deg=[9,9]", "axis.all.a0=9999"),
+        ("puma560_reach", "axis.2.mode=off", "motion.0.axis=1"), ("arm_move", "cards=2"),
+        ("user_loop", "process.0.to=[1,2,3,4,5,6,7]", "process.0.from=[1,2,3]",
+         "'motion=[{axis=0, kind=\"step\", at=0.05, to=200}]'"),
+    ) for more in sets],
     "mctool": ["tool --no-browser no_such_scenario", "tool --attach nobody", "tool -t -5",
              "tool --theme 2089", "tool --attach a/b", "tool lab500 --sheets nowhere"],
 }  # fmt: skip
@@ -142,11 +154,11 @@ def a_chart():
         chart.picture([cell], 300, 200, "R&D").splitlines())  # fmt: skip
 
 
-def flexible(stiffness, damping):
+def other(**more):
+    """The PUMA, whose joints but the first and the fourth are others."""
     robot = load_robot("puma560")[1]
-    more = {"stiffness": stiffness, "damping": damping}
     some = [one.model_copy(update=more) if n % 3 else one for n, one in enumerate(robot.axis)]
-    return stiff_joints(robot.model_copy(update={"axis": some}))
+    return robot.model_copy(update={"axis": some})
 
 
 def options(words):
@@ -227,10 +239,18 @@ VALUES = {
         load("puma560").about(), *(load("puma560").robot.motors(coupled) for coupled in (0, 1)),
         film.arm_points(load("puma560").robot.links(), np.arange(6) / 7).tolist(),
         mass_matrix(load_robot("puma560")[1].link, np.arange(6) / 7).tolist(),
-        *map(flexible, (0, 1e3, 1e8), (0, 1, 1e5)), flexible(1e3, 1e7),
+        *(stiff_joints(other(stiffness=k, damping=d)) for k in (0, 1e3, 1e8) for d in (1, 1e7)),
+        *(robot_cautions(other(**{key: by})) for key, by in (
+            ("v_supply", 1e6), ("stiction_neg", 99.0), ("coulomb_neg", 0.0), ("gear", 1e-3),
+            ("pot_v_per_rad", 50.0), ("pot_v_per_rad", 1e-3))),
     ],
     "options": lambda _: [options("lab500"), options(
         "lab500 -t 2 -u -z --deadman 300 --theme 1989 --port 5 --no-browser")],
+    "nonsense": lambda _: advise(
+        {"id": 1, "op": "design", "p": 0, "interval_s": 0.001}, {"id": 2, "op": "sing"}, "1.5",
+        {"id": 3, "op": "design", "p": "much"}, "nonsense", "[]", "[" * 50_000,
+        {"id": 4, "op": "design", "p": 1e300, "d": 1e300, "interval_s": 1e-300},
+        '{"id": [[]], "op": "design"}', '{"op": "alive"}', {"id": math.nan, "op": "design"}),
     "chart": lambda _: a_chart(),
     "campaign drawn": lambda _: a_campaign(),
     "waves": lambda _: a_wave(),

@@ -65,9 +65,3 @@ def test_film(mmcs, folder):
     good(mmcs("export", "film", path, "--slower", 5), silent=True)
     with Image.open(path / "film.gif") as gif:
         assert gif.n_frames == 5
-
-
-def test_film_of_what_is_no_arm(mmcs, folder):
-    path = folder("a")
-    told = f"{path}: its robot has no [[link]]: there is no arm\n"
-    one_clear_line(mmcs("export", "film", path), start=told)
