@@ -3,6 +3,7 @@
 the stop path, the page's designer (test_output.py)."""
 
 import asyncio
+import functools
 import json
 import math
 import os
@@ -85,7 +86,7 @@ call {"request": "MDACMODE", "value": 1}; call {"request": "MSETNUMJOINTS", "val
 change {"axis": 1, "param": {"ilimax": 7}}; call {"request": "MSETNUMJOINTS", "value": 2}; unfollow;
 call {"request": "MGETSTATS"}; load {"offset": 1033}; load {"offset": 2048}; load {"offset": 1032};
 store {"offset": 1033, "value": 3}; lease {}; lease {"take": true, "deadman_ms": 600000};
-lease {"give": 77}; clients; pace {"speed": 2}; pace {"speed": 0}; pace {"speed": "1,5"};
+lease {"give": 77}; clients; enable; pace {"speed": 2}; pace {"speed": 0}; pace {"speed": "1,5"};
 advance {"seconds": 1}; pace {"paused": true}; ring {"every_s": 0.05, "count": 3};
 ring {"every_s": 0.001, "count": 1001}; snapshot; follow {"samples": false, "events": true};
 advance {"seconds": 0.25}; unfollow; snapshots; input {"name": "motor_jam", "index": 1, "value": 1};
@@ -108,10 +109,12 @@ def messages(folder):
         bench.server.machine.console = heard.append
         other, mine = Link(path=bench.server.path), Link(path=bench.server.path)
         other.request("open", mode="rw")
+        dev = client.Device()
         for row in re.split(r";\s", ASKED):
             op, _, given = row.partition(" ")
             try:
-                answer = mine.request(op, **json.loads(given or "{}"))
+                ask = dev.enable if op == "enable" else functools.partial(mine.request, op)
+                answer = ask(**json.loads(given or "{}"))
             except OSError as error:
                 answer = error.args
             heard.append((row, answer, [told(one) for one in mine.kept()]))

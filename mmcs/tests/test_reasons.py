@@ -2,13 +2,11 @@
 """Every call that is refused says why; what each says: talks.py."""
 
 import errno
-from types import SimpleNamespace
 
 import pytest
 
 from mmcs import mcdef
-from mmcs.device import reasons, wire
-from mmcs.device.programs import Program
+from mmcs.device import reasons
 
 
 @pytest.mark.req("DRV-3")
@@ -29,10 +27,3 @@ def test_no_request_and_no_error_is_without_one():
         reasons.of_call("read", error, 27) and reasons.of_call("write", error, 3)
         for error in errors
     )
-
-
-def test_a_refusal_names_who_holds_the_machine_only_where_that_is_why():
-    program = SimpleNamespace(machine=SimpleNamespace(held=lambda _: "held by another"))
-    for error in (errno.EBUSY, errno.EINVAL):
-        said = Program._because(program, SimpleNamespace(driver=0), error, wire.WRITE, 0, b"ab")
-        assert ("held" in said) == (error == errno.EBUSY) and said
