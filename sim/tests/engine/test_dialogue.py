@@ -13,7 +13,7 @@ from mmcs.engine.script import Serving, _lines
 
 STEPS, PARTS, BIG = 6000, 16, 1 << 31
 # Of the answers of each part of the steps. Who means to change them puts in what the test shows.
-AS_EVER = "440a 431f 321f 8522 78e3 58d7 5b72 cd37 d710 ca47 a1cd 3511 3d44 4747 79a1 9191"
+AS_EVER = "0252 2cde 7e08 b787 c916 4c3a 807d e55c b56c 4ee4 d25c 6446 7d12 9adc 2f22 cb47"
 CALLS = [*mcdef.requests(), *["MENABLE"] * 8, *["MCLEARERROR"] * 3, "MFLY"]
 LAST = [1, 1, 2, 3, 9, None]
 PARAMS = [
@@ -83,7 +83,7 @@ class Carrier(Serving):
 
     def carry(self, number, who):
         """What comes by other ways than the messages."""
-        chance, what = self.chance, self.chance.randrange(8)
+        chance, what = self.chance, self.chance.randrange(9)
         if what == 0 and chance.random() < 0.3:
             self.leave(self.mine.pop(number))
         elif what == 1:
@@ -108,6 +108,13 @@ class Carrier(Serving):
                 "mmcs_event *", (when, *given, chance.choice([0, 1, 2, -math.inf, math.nan]))
             )
             return self._lib.mmcs_sim_add_event(self.sim.handle, event), self.sim.notes()[-1:]
+        elif what == 8 and who.device == 1:
+            kind = chance.choice(mcdef.SEGMENT_KINDS)
+            self.sim.add_segment(axis=chance.randrange(2), kind=kind, t0=chance.choice([0, 0.003]),
+                                 duration=chance.choice([0, 0.02]), to=chance.randrange(400),
+                                 amplitude=90, f0=40, f1=90, v_max=chance.choice([0, 9e3]),
+                                 a_max=chance.choice([0, 1e6]), table=[3, 90, 40])  # fmt: skip
+            return kind, self.sim.start_motion(who.driver)
         return None
 
     def step(self):
