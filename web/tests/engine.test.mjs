@@ -74,7 +74,7 @@ function compiled(told, gives) {
 
 const HZ = 8e6;
 const SAYS = { hello: { you: 2, enabled: true, stopped: false, panic: 1, button: false },
-  call: { param: { a0: 5, mode: 1 } }, rewind: { errno: 16, text: "busy" }, load: { value: 5 },
+  call: { param: { a0: 5, mode: 1 } }, rewind: { errno: 5, text: "late" }, load: { value: 5 },
   store: { errno: 5, text: "no card" }, machine: { x: 1 } };
 const CHANGES = [[9000, 0, 1], [9000, 1, 2], [9000, 2, 3], [12_000, 0, 4], [13_000, 1, 5], [16_000,
   2, 6], [30_000, 0, 7], [99_000, 1, 8]];

@@ -34,8 +34,11 @@ export function text(node, found = [], deep = "") {
   for (const [name, [act]] of Object.entries(node.options?.hooks ?? {}))
     found.push({ name, act: () => act(node.plot), node });
   if (node.on && Object.keys(node.on).length) found.push({ name: "events", node });
-  for (const name of ["id", "className", "aria-label", "title", "role", "aria-valuenow", "src"])
+  for (const name of ["id", "className", "aria-label", "title", "role", "aria-valuenow", "src",
+    "inert"])
+  {
     if (node[name]) more[name] = node[name];
+  }
   if (node.options) Object.assign(more, { options: node.options, data: node.data });
   const own = JSON.stringify(more, (_, one) => (typeof one === "function" ? "does" : one));
   return `${deep}${tag} ${own}\n${text([node.shown, children], found, `${deep} `)}`;

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Panels show what the driver has, whoever changed it, and nothing else; an edit is a draft."""
 
-import os
-import signal
-
 import pytest
 from bench import chosen, enable, pick
 from test_page import enter
@@ -81,12 +78,3 @@ def test_a_page_that_nobody_looks_at_keeps_control(browser, desk):
     page.wait_for_timeout(3000)
     assert desk.state()["lease"] is not None and desk.state()["time"] > since
     page.close()
-
-
-def test_a_frozen_stream_is_told(desk):
-    page = desk.page
-    machine = desk.tool.processes["machine"].pid
-    os.kill(machine, signal.SIGSTOP)
-    desk.eventually(lambda: "No sample for" in page.inner_text("body"))
-    os.kill(machine, signal.SIGCONT)
-    desk.eventually(lambda: "No sample" not in page.inner_text("body"))

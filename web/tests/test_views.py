@@ -35,7 +35,6 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     page.click("#scope-more")
     pick(page, "#scope-trigger", "panic")
     desk.until("() => document.getElementById('scope-lost').textContent.startsWith('waiting')")
-    assert "encnow" not in page.inner_text("body")  # the driver's name of what people call count
     enable(page)
     page.click("#tab-scope")
     page.wait_for_timeout(1500)  # something to be seen before the fault
@@ -52,8 +51,6 @@ def test_the_scope_triggers_before_a_fault_and_reopens_what_it_saved(desk, tmp_p
     assert lines[at] & 1 and not lines[at - 1] & 1
     page.set_input_files("input[type=file]", path)
     desk.until("() => document.querySelector('.channels').textContent.includes('saved.csv')")
-    path = saved(page, "#scope-mcap", tmp_path).rename(tmp_path / "saved.mcap")
-    assert path.read_bytes()[:5] == b"\x89MCAP"
 
 
 def test_fingers_carry_and_stretch_the_scope(desk):

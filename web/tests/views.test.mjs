@@ -99,7 +99,7 @@ async function made(
     ...state.boxes };
   for (const [id, value] of Object.entries(boxes)) byId(id).value = value;
   const asked = [];
-  const answers = { ...ANSWERS,
+  const answers = { ...ANSWERS, ...state.answers,
     inputs: { inputs: INPUTS.map(one => ({ ...one, values: state.values?.[one.name] ?? {} })) } };
   const now = { ...HELLO, ...hello };
   const carrier = { pulse: ms => asked.push(`pulse ${ms}`), onText: _ => {}, send: message => {
@@ -131,6 +131,7 @@ async function made(
     carrier.onText(JSON.stringify({ type: "event", axis: -1, value: 1, text: "", ...event }));
   }
   await settled();
+  if (state.after) carrier.onBytes(samples(100, { ...state, begin: state.after }));
   Object.assign(machine, state.machine);
   await state.look?.(page);
   keys(page);
@@ -140,6 +141,11 @@ async function made(
   return { page, machine, views, asked, began, later };
 }
 
+/** Events: time, kind, value, text. */
+const happened = all =>
+  all.split("; ").map(one => one.split(" ")).map(([t, kind, value, ...words]) => ({ t: Number(t),
+    kind, value: Number(value), text: words.join(" ") })
+  );
 const STATES = { "looking on": { control: false, hello: { lease: 2 } },
   "at rest": { lines: STOPPED, physical: true }, "no sample": { rows: 0 },
   driving: { lines: ENABLED | BRAKES, hello: { enabled: true }, physical: true,
@@ -148,17 +154,12 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
     param: { ...PARAM, a0: 1, a1: 0, b0: 1, b1: 0, mode: 1 } },
   panic: { lines: ENABLED | PANIC, errcode: 9, lights: 0, hello: { enabled: true },
     values: { estop: { 0: 1 }, cable: { 0: 0 }, encoder_a_cut: { 1: 1 } },
-    events: [{ t: 1.1, kind: "fault", text: "estop 1" }, { t: 1.11, kind: "panic", text: "" }, {
-      t: 1.12,
-      kind: "error",
-      value: 9,
-      axis: 0,
-      text: "axis 0: low position limit",
-    }, { t: 1.15, kind: "enabled", value: 0 }] },
+    events: [...happened("1.1 fault 1 estop 1; 1.11 panic 1"), { t: 1.12, kind: "error", value: 9,
+      axis: 0, text: "axis 0: low position limit" }, ...happened("1.15 enabled 0")] },
   "after a fault": { values: { card_absent: { 0: 1 } }, machine: { silent_s: 3.2 },
-    events: [{ t: 1.99, kind: "fault", text: "card_absent 0 1" }, { t: 2, kind: "heartbeat",
-      value: 0 }, { t: 1.9, kind: "bus", text: "no answer" }, { t: 1.9, kind: "bus",
-      text: "no answer" }] },
+    events: told(
+      "1.99 fault 1 card_absent 0 1; 2 heartbeat 0; 1.9 bus 1 no answer; 1.9 bus 1 no answer",
+    ) },
   past: { lines: BRAKES, look: page => page.look(1.004),
     events: [{ t: 1.5, kind: "rewind" }, { t: 1.2, kind: "mode", text: "torq", axis: 1 }, { t: 1.3,
       kind: "pace", text: "paused" }] },
@@ -180,13 +181,18 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
   frozen: { machine: { silent_s: 2 } },
   "no cable": { values: { cable: { 0: 0 }, pc_power: { 0: 0 } } },
   lost: {
-    events: [{ t: 1, kind: "lease", value: 2 }, { type: "lost", events: 3 }, { t: 1.1,
-      kind: "lease", value: -1 }, { t: 1.2, kind: "pace", text: "speed 2.5" }, { t: 1.3,
-      kind: "pace", text: "paused" }, { t: 1.4, kind: "setting" }, { t: 1.5, kind: "param",
-      axis: 1 }, { t: 1.6, kind: "enabled", value: 1 }, { t: 1.7, kind: "panic" }, { t: 1.8,
-      kind: "enabled", value: 0 }, { t: 0.7, kind: "rewind" }, { t: 0.8, kind: "fault",
-      text: "estop 1" }, { t: 1.2, kind: "log", text: "mc: trip" }],
-  }, unleased: { events: [{ t: 1, kind: "lease", value: -1 }] },
+    events: [...happened("1 lease 2"), { type: "lost", events: 3 },
+      ...told(
+        "1.1 lease -1; 1.2 pace 1 speed 2.5; 1.3 pace 1 paused; 1.4 setting 1; 1.6 enabled 1",
+      ), { t: 1.5, kind: "param", axis: 1 },
+      ...happened(
+        "1.7 panic 1; 1.8 enabled 0; 0.7 rewind 1; 0.8 fault 1 estop 1; 1.2 log 1 mc: trip",
+      )],
+    after: 0.71,
+  },
+  refused: { answers: { stop: { error: "EIO" }, change: { error: "EIO", text: "no card" } },
+    look: page => Promise.all(["stop", "change"].map(op => page.machine.ask(op))) },
+  unleased: { events: [{ t: 1, kind: "lease", value: -1 }] },
   overlaid: { pointed: true, boxes: { "tune-wn": "x", "step-size": "1.5" }, look: page => {
     page.advice.tell("progress", { text: "half", lend: 7 });
     page.put("scope", { marks: [0.5, 1.25],
@@ -202,24 +208,33 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
       page.drafts.take(name, value, now => other.setField(name, now));
     await page.drafts.settled;
     page.drafts.type("axis0-ilim", "12");
+    page.put("scope", { marks: [null, 0.7] });
     await axis.setGain("p", -50);
   } },
   tuned: { lines: ENABLED | BRAKES, hello: { enabled: true },
     look: page =>
-      page.put("tune", { fine: true, verdict: "As asked.", undo: true, rows: { rise: "31 ms" },
+      page.put("tune", { fine: true, verdict: "As asked.", undo: true, keep: true,
+        rows: { rise: "31 ms" }, motors: new Map([[0, { motor: { g: 1 }, away: 5 }]]),
         before: { axis: 0, param: INITIAL }, tuned: { axis: 0, param: PARAM } }) } };
 const PRESSED = ["overlaid", "square", "driving", "diag", "pushed", "past", "tuned", "marked",
   "button", "looking on"];
 const VIEWS = ["scope", "tune", "machine", "registers", "faults", "waves", "labs", "log"];
 const ROOMS = { header, banner, tiles, panels, timeBar };
 
-const KEYS = ["ArrowLeft", "ArrowDown", "ArrowRight", "ArrowUp", "+", "a", "ArrowRight", "b", "w",
-  "-", "e", "Enter", "c", "?", "Escape", "0"];
+const KEYS = ["0", "ArrowLeft", "ArrowDown", "ArrowRight", "ArrowUp", "+", "a", "ArrowRight", "b",
+  "w", "-", "e", "Enter", "c", "?", "Escape"];
+const GESTURES = [["pointermove", 300, 60], ["pointerdown", 400, 110], ["pointermove", 430, 115], [
+  "pointerdown",
+  500,
+  120,
+  2,
+], ["pointermove", 560, 120, 2], ["pointerup", 430, 115, 2], ["pointerup", 430, 115], ["wheel", 350,
+  60], ["pointerdown", 450, 70], ["pointerup", 450, 70], ["dblclick", 430, 115]];
 /** Pointer, wheel and keys on an element, one after another. */
 const heard = ({ on }) => given => {
   const more = { ...given, target: { matches: () => false } };
   const at = (clientX, clientY) => ({ ...more, clientX, clientY, offsetX: clientX, offsetY: clientY,
-    pointerId: 1, pointerType: "touch", buttons: 1, movementX: 20, movementY: -9, deltaY: 120 });
+    pointerType: "touch", buttons: 1, movementX: 20, movementY: -9, deltaY: 120 });
   for (const key of KEYS) on.keydown?.({ ...more, key });
   for (const [n, code] of ["Space", "Escape", "Space", "KeyC", "Digit2"].entries()) {
     const [matches, closest] = [() => n % 2 === 0, () => n === 4];
@@ -227,18 +242,7 @@ const heard = ({ on }) => given => {
       target: { matches, closest } });
     on.keyup?.({ ...more, code, target: { matches } });
   }
-  on.keydown?.({ ...more, code: "Digit1", key: "1" });
-  on.pointermove?.(at(300, 60));
-  on.pointerdown?.(at(400, 110));
-  on.pointermove?.(at(430, 115));
-  on.pointerdown?.({ ...at(500, 120), pointerId: 2 });
-  on.pointermove?.({ ...at(560, 120), pointerId: 2 });
-  for (const id of [2, 1]) on.pointerup?.({ ...at(430, 115), pointerId: id });
-  on.wheel?.(at(350, 60));
-  on.pointerdown?.(at(450, 70));
-  on.pointerup?.(at(450, 70));
-  on.dblclick?.(at(430, 115));
-  on.keyup?.({ ...more, code: "Space" });
+  for (const [type, x, y, pointerId = 1] of GESTURES) on[type]?.({ ...at(x, y), pointerId });
 };
 
 /** Name and text of each part of the page, and the handlers there. */
@@ -260,6 +264,10 @@ async function parts({ page, views }, only = VIEWS, wanted = "") {
   return all.filter(([name]) => !wanted || name === wanted).map(([name, node]) => {
     const found = [];
     const told = text(node, found);
+    const [{ from } = { from: null }] = name === "arm" ? arm.seen.slice(2) : [];
+    const at = by => ({ offsetX: from.x + by, offsetY: from.y, buttons: 1 });
+    const drag = () => (node.on.pointerdown(at(0)), node.on.pointermove(at(25)));
+    if (from) found.push({ name: "drag", node, act: drag });
     return { name, told, found: found.map(one => ({ ...one, act: one.act ?? heard(one.node) })) };
   });
 }
