@@ -264,7 +264,15 @@ uint16_t mock_dac(const struct mock *m, int axis) {
 
 /* --- bus -------------------------------------------------------------------------------- */
 
+uint32_t mock_told;
+
+void mock_tell(uint32_t word) {
+  mock_told = (mock_told ^ word) * 0x01000193u;
+  mock_told ^= mock_told >> 15;
+}
+
 static void note(struct mock *m, int write, uint16_t offset, uint8_t value) {
+  mock_tell((uint32_t)write << 24 | (uint32_t)offset << 8 | value);
   if (m->logging && m->used < MOCK_LOG) {
     m->log[m->used++] = (struct mock_access){write, offset, value};
   }
@@ -316,11 +324,13 @@ static enum mc_bus_result bus_write(void *ctx, uint16_t offset, uint8_t v) {
 
 static void os_signal(void *ctx, int client) {
   ((struct mock *)ctx)->signals[client]++;
+  mock_tell(0x10000000u + (uint32_t)client);
 }
 
 static void os_log(void *ctx, const char *text) {
   struct mock *m = ctx;
   m->logs++;
+  for (const char *at = text; *at != 0; at++) mock_tell((uint8_t)*at);
   strncpy(m->last_log, text, sizeof m->last_log - 1);
 }
 

@@ -68,6 +68,9 @@ struct mock {
   void (*on_access)(struct mock *m); /* a test's hook, called after each access */
 };
 
+/* Digest of all accesses, texts and signals, and of what a test itself has told. */
+extern uint32_t mock_told;
+void mock_tell(uint32_t word);
 /* A new driver, of which `m` has had another, or is all 0. */
 struct mc *mock_start(struct mock *m, int cards);
 void mock_run(struct mock *m, int64_t us);

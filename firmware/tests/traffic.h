@@ -99,6 +99,7 @@ static char said[1024];
 static inline void hear(void *ctx, const char *text) {
   (void)ctx;
   CHECK(strlen(said) + strlen(text) + 2 < sizeof said);
+  for (const char *at = text; *at != 0; at++) mock_tell((uint8_t)*at);
   strcat(said, text);
   strcat(said, "\n");
 }
