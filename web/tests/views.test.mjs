@@ -157,7 +157,7 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
     events: [...happened("1.1 fault 1 estop 1; 1.11 panic 1"), { t: 1.12, kind: "error", value: 9,
       axis: 0, text: "axis 0: low position limit" }, ...happened("1.15 enabled 0")] },
   "after a fault": { values: { card_absent: { 0: 1 } }, machine: { silent_s: 3.2 },
-    events: told(
+    events: happened(
       "1.99 fault 1 card_absent 0 1; 2 heartbeat 0; 1.9 bus 1 no answer; 1.9 bus 1 no answer",
     ) },
   past: { lines: BRAKES, look: page => page.look(1.004),
@@ -182,7 +182,7 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
   "no cable": { values: { cable: { 0: 0 }, pc_power: { 0: 0 } } },
   lost: {
     events: [...happened("1 lease 2"), { type: "lost", events: 3 },
-      ...told(
+      ...happened(
         "1.1 lease -1; 1.2 pace 1 speed 2.5; 1.3 pace 1 paused; 1.4 setting 1; 1.6 enabled 1",
       ), { t: 1.5, kind: "param", axis: 1 },
       ...happened(
