@@ -291,6 +291,7 @@ def tool(folder):
             page, _, given = made.address.partition("?")
             stop = urllib.parse.parse_qs(given)["stop"][0].removesuffix("stop.html")
             heard = [fetched(where, path)[1] for where in (page, stop) for path in PATHS]
+            heard += [os.getsid(one.pid) == one.pid for one in made.processes.values()]
             heard += [fetched(page, "", b"")[1], fetched(page, "", known=fetched(page, "")[0])[1]]
             for address, texts in (
                 (f"{page}machine", ('{"id": 1, "op": "alive"}', "[", "{}")),

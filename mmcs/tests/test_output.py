@@ -51,7 +51,7 @@ SESSIONS = {
             "run lab500 --out b", "compare b arm", "compare b b --out x.png",
             "compare b b --out no/x.svg"],
     "calibrate": ["run puma560_calibrate --out arm"],
-    "bounce": ["run puma560_bounce --out arm --duration 0.4"],
+    "bounce": ["compile puma560_bounce -o own.bin", "run own.bin --out arm --duration 0.4"],
     "events": ["run fault_estop --out a", "check lab500 --set servo=[{clkdivisor=2}]"],
     "refused": ["run fault_bus_errors --out a", "run user_loop --out b", "compare a b"],
     "design": [
@@ -75,6 +75,7 @@ SESSIONS = {
                  "exec --scenario lab500 -- /etc", "exec --realtime --speed 2 -- true",
                  "exec --scenario lab500 --out o --speed 2 -- true", "exec --speed 2 -- true",
                  "exec --scenario lab500 --set motion=[] -- true", "serve lab500 --speed 0",
+                 f"serve lab500 --dev {'x' * 120}",
                  "exec --lockstep --speed 2 -- true", "exec --scenario lab500 --out o -- true"],
     "mistakes": [
         "design -p 4 -d 0.1 --method zoh", "design -p 4 -i 9 -d 0.1 --method ztransform",
@@ -103,7 +104,7 @@ SESSIONS = {
     "mctool": ["tool --no-browser no_such_scenario", "tool --attach nobody", "tool -t -5",
              "tool --theme 2089", "tool --attach a/b", "tool lab500 --sheets nowhere"],
 }  # fmt: skip
-NOT_TOLD = (".fst", ".jsonl", ".toml", ".txt")
+NOT_TOLD = (".bin", ".fst", ".jsonl", ".toml", ".txt")
 
 
 @pytest.mark.parametrize("session", SESSIONS)

@@ -51,9 +51,10 @@ def test_compare_mistakes(mmcs, folder, tmp_path):
     assert (tmp_path / "pipe.svg").is_fifo()
 
 
-def test_film(mmcs, folder):
+def test_film(mmcs, folder, monkeypatch):
     from PIL import Image
 
+    monkeypatch.setenv("MPLBACKEND", "none that is there")
     links = [{"alpha": 0.0, "a": 1.0, "d": 0.2, "theta0": 0.0}] * 2
     path = folder("arm", axes=2, links=links)
     good(mmcs("export", "film", path, "--slower", 5), silent=True)
