@@ -141,7 +141,7 @@ def read(name: str, folder: Path, chips: dict | None = None) -> Part:
              for p, what in ports.items()}  # fmt: skip
     enables = {chip["driven"] for chip in (chips or {}).values() if "driven" in chip}
     paths = {pin.rpartition(".")[0] for pin in pins["input"]} - {""}
-    driven = {f"{chip}.d_o": f"{chip}.{enable}" for chip in paths for enable in enables
+    driven = {f"{chip}.d_o": f"{chip}.{enable}" for chip in sorted(paths) for enable in enables
               if f"{chip}.{enable}" in pins["input"]}  # fmt: skip
     return Part(name, pins["input"], pins["output"], registers, nets, lows, kinds, driven)
 
