@@ -88,8 +88,9 @@ call {"request": "MGETSTATS"}; load {"offset": 1033}; load {"offset": 2048}; loa
 store {"offset": 1033, "value": 3}; lease {}; lease {"take": true, "deadman_ms": 600000};
 lease {"give": 77}; clients; enable; pace {"speed": 2}; pace {"speed": 0}; pace {"speed": "1,5"};
 advance {"seconds": 1}; pace {"paused": true}; ring {"every_s": 0.05, "count": 3};
-ring {"every_s": 0.001, "count": 1001}; snapshot; follow {"samples": false, "events": true};
-advance {"seconds": 0.25}; unfollow; snapshots; input {"name": "motor_jam", "index": 1, "value": 1};
+ring {"every_s": 0.001, "count": 1001}; snapshot;
+follow {"samples": false, "events": true, "period_ms": 0}; advance {"seconds": 0.25};
+unfollow; snapshots; input {"name": "motor_jam", "index": 1, "value": 1};
 input {"name": "gravity", "value": 0}; input {"name": "cable", "value": 7};
 input {"name": "axis_enable", "index": 2, "value": 0}; inputs; export {"snapshot": 1};
 export {"snapshot": 12345}; rewind {"t": 0.1}; rewind {"snapshot": 12345}; drop {"snapshot": 1};

@@ -65,7 +65,7 @@ async def carry(page: ServerConnection, path: Path) -> None:
         task.cancel()
     ends = await asyncio.gather(*both, return_exceptions=True)
     writer.close()
-    lost = any(isinstance(end, asyncio.IncompleteReadError) for end in ends)
+    lost = any(isinstance(end, EOFError | ConnectionError) for end in ends)  # of the machine's end
     with contextlib.suppress(ConnectionClosed):
         await page.close(GONE if lost else 1000, "the machine is gone" if lost else "")
 
