@@ -56,3 +56,33 @@ def test_pictures_for_the_manual(desk):
     picture(page, "telephone")
     page.keyboard.press("Escape")
     page.set_viewport_size({"width": 1280, "height": 800})
+
+
+@pytest.mark.pictures
+def test_it_looks_as_under_sunview(browser, desk):
+    old = desk.open("&theme=1989")
+    assert old.evaluate("() => getComputedStyle(document.body).fontFamily").find("Mono") > 0
+    looks = "all => all.map((e) => getComputedStyle(e)).map((e) => e.color + e.borderTopColor)"
+    colours = old.locator("button, .panel, h2").evaluate_all(looks)
+    grey = [c for c in colours if len(set(c.replace("rgb(", "").split(")")[0].split(", "))) > 1]
+    assert grey == []  # black and white, nothing else
+    picture(old, "1989")
+    old.close()
+
+
+def test_a_newcomer_is_told_what_holds_a_joint_and_what_moves_it(desk):
+    """Enable, Pos, 200: with power-on gains friction holds J1, unasked nothing is written."""
+    page = desk.page
+    assert page.eval_on_selector_all(".filled", "all => all.map((e) => e.id)") == ["enable"]
+    pick(page, "#axis0-mode", "pos")
+    enable(page)
+    enter(page, "#axis0-setpoint", "200")
+    words = "axis 0 pushes 200 D/A units, friction holds about 590"
+    desk.eventually(lambda: words in page.inner_text("#cause"))
+    assert page.evaluate("() => mctool.machine.history.latest(0).encnow") == 0
+    page.click("#offer")
+    desk.until("() => Math.abs(mctool.machine.history.latest(0).encnow - 200) < 20")
+    desk.eventually(lambda: page.inner_text("#cause").startswith("Servo on, brakes off"))
+    assert not page.is_visible("#offer")
+    for axis, wanted in enumerate(desk.link.request("machine")["servo"]):
+        assert desk.param(axis) == desk.param(axis) | wanted

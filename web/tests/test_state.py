@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Panels show what the driver has, whoever changed it, and nothing else; an edit is a draft."""
 
+import os
+import signal
+
 import pytest
 from bench import chosen, enable, pick
 from test_page import enter
@@ -78,3 +81,33 @@ def test_a_page_that_nobody_looks_at_keeps_control(browser, desk):
     page.wait_for_timeout(3000)
     assert desk.state()["lease"] is not None and desk.state()["time"] > since
     page.close()
+
+
+def test_what_others_do_and_what_is_lost_is_shown_by_every_page(desk):
+    """A change elsewhere, the way back, a second page in control, no samples, no connection."""
+    page, other = desk.page, desk.open()
+    ask = "([op, more]) => mctool.machine.link.request(op, more)"
+    assert "Controlled by another" in other.inner_text("#control")
+    assert other.is_disabled("#enable") and other.is_disabled("#axis0-mode [value=off]")
+    moment = page.evaluate(ask, ["snapshot", {}])["snapshot"]["id"]
+    page.click("#control")  # gives it back
+    other.click("#control:has-text('Take control')")
+    page.wait_for_selector("#control:has-text('Controlled by another')")
+    assert page.is_disabled("#axis0-mode [value=off]") and page.is_disabled("#control")
+    pick(other, "#axis0-mode", "vel")
+    for one in (page, other):
+        desk.eventually(lambda one=one: chosen(one, "#axis0-mode") == "vel")
+    other.evaluate(ask, ["rewind", {"snapshot": moment}])
+    for one in (page, other):
+        desk.eventually(lambda one=one: chosen(one, "#axis0-mode") == "off")
+    machine, gateway = (desk.tool.processes[name].pid for name in ("machine", "gateway"))
+    os.kill(machine, signal.SIGSTOP)
+    desk.eventually(lambda: "No sample for" in page.inner_text("body"))
+    os.kill(machine, signal.SIGCONT)
+    desk.eventually(lambda: "No sample" not in page.inner_text("body"))
+    page.evaluate("() => mctool.machine.link.carrier.close()")
+    desk.until("() => !mctool.machine.connected")
+    desk.until("() => mctool.machine.connected")
+    os.kill(gateway, signal.SIGKILL)
+    desk.eventually(lambda: "Not connected" in page.inner_text("#cause"))
+    assert page.is_disabled("#control") and other.errors == []
