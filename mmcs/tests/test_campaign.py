@@ -285,8 +285,10 @@ def test_stops_are_those_of_whole_runs(mmcs, tmp_path, monkeypatch):
         out = good(mmcs("campaign", robot, "--stops", "--workers", 1, "--out", tmp_path / "out"))
         table = stops_of("\n".join(line for line in out.splitlines() if line.startswith("|")))
         assert set(stops.WAYS) < set(table) and "left out: user_loop: it has a [[process]]" in out
-        for way, degrees in worst.items():
-            assert float(table[way][1].strip("≥ ")) >= degrees - 0.1, (way, table)
+        for way in stops.WAYS:
+            degrees, counts = (float(cell.strip("≥ ")) for cell in table[way][1:3])
+            assert degrees >= worst.get(way, 0.0) - 0.1, (way, table)
+            assert counts == pytest.approx(degrees * 2000 / 360, abs=0.8), (way, table)
         assert "≥" in table["host dead"][1], "a bench motor has no brake: it goes on"
         assert table == stops_of((tmp_path / "out" / "report.md").read_text())
 

@@ -252,11 +252,11 @@ ROBOT_LINES = {
     "stiction_neg = 0.05": "must be at least coulomb_neg (0.1)",
     "counts_per_rev = 7": "must be a multiple of 4",
     "backlash = 0.1": "needs a stiffness above 0",
-    "servo.pd_1000us = [1, 2]": "must be [a0, a1, b0] or [a0, a1, b0, b1], whole numbers of "
-    "32 bits",
+    **dict.fromkeys(("servo.pd_1000us = [1, 2]", f"servo.pd_1000us = [1, 2, {1 << 31}]"),
+                    "must be [a0, a1, b0] or [a0, a1, b0, b1], whole numbers of 32 bits"),
     'source.gear = "E book"': "must be a confidence A, B, C or D, a space, and a reference",
     'source.gear = "A book"': '[reference] has no "book"',
-}
+}  # fmt: skip
 FLEXIBLE = ROBOT.replace("gear = 1.0", "gear = 1.0\nstiffness = 0.5\nload_inertia = 5e-6")
 FLEXIBLE_LINES = {
     "load_inertia = 0.0": "must be more than 0: what hangs on the flexible coupling",

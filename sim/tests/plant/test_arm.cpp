@@ -2,7 +2,6 @@
 // The coupled arm: friction that holds, stops, energy, brakes, flexible axes.
 #include "arm.h"
 
-
 #include "bench.h"
 #include "check.h"
 #include "contact.h"
