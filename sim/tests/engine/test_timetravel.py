@@ -323,6 +323,10 @@ def test_future_is_equal_where_only_the_past_differs():
         assert seen[0] != plain[0] and seen[2:] == plain[2:]
         assert sim.hash() == end  # nothing of it was read
         sim.restore(id_)
+        event(sim, 5e-4, "host_stall", 0.01)
+        seen = [sim.future() for n in range(8) if sim.run(began + 0.001 * n)]
+        assert seen[0] != plain[0] and seen[2:] == plain[2:]
+        sim.restore(id_)
         event(sim, 1e-6, "bus_error", 1)
         seen = [sim.future() for n in range(8) if sim.run(began + 0.001 * n)]
         assert seen[7] != plain[7]  # the driver has stopped
@@ -366,6 +370,7 @@ def test_deeds_lead_another_machine_the_same_way():
             clocks.append(sim.clock)
             deed()
             sim.run(sim.time + rng.randrange(3) / 1000)
+        sim.snapshot()
         assert lib.mmcs_sim_known(sim.handle) == begun
         assert lib.mmcs_sim_again(other.handle, sim.handle, begun - 1) == -1
         assert lib.mmcs_sim_again(other.handle, sim.handle, sim.clock) == 0
