@@ -50,6 +50,8 @@ def test_hal_enables_moves_stops_and_goes_on():
             hal.period(on, ns=2_000_000)
         with pytest.raises(RunError, match="build the component again"):
             hal.bridge.exchange(bytes(16))
+        with pytest.raises(RunError, match="MCALIB: Invalid argument"):
+            hal.bridge._ask("MCALIB", far.mcdef.new_int(9))
 
 
 @pytest.mark.req("PAN-1")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import fmpy
@@ -76,6 +77,8 @@ def test_fmpy_finds_nothing_wrong(folder, tmp_path):
 def test_the_same_machine_is_the_same_unit(folder, tmp_path):
     write(load("lab500"), tmp_path / "again.fmu")
     assert (tmp_path / "again.fmu").read_bytes() == (folder / "lab500.fmu").read_bytes()
+    with zipfile.ZipFile(tmp_path / "again.fmu") as files:  # unzip gives them these permissions
+        assert {one.external_attr >> 16 for one in files.infolist()} == {0o644}
 
 
 @pytest.mark.req("DRV-4", "SRV-7")
