@@ -48,9 +48,9 @@ def kept(folder: Path, plan, setup, resume: bool, dask: str | None, what: str):
 
     if resume:
         check_resume(folder, what)
-    check_folder(folder)
     with ExitStack() as ends:
         client = ends.enter_context(closing(dask_client(dask))) if dask else None
+        check_folder(folder)
         store = Store(folder, plan.identity(build_of(setup)), resume, what)
         yield ends.enter_context(closing(store)), client
 

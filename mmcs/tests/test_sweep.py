@@ -124,7 +124,7 @@ def test_mistake(mmcs, scenario, tmp_path, case, monkeypatch):
     arguments, expected = case
     answer = mmcs("sweep", scenario(SHORT), "--out", tmp_path / "out", *arguments)
     one_clear_line(answer, expected)
-    assert not (tmp_path / "out" / "rows.jsonl").exists()
+    assert not (tmp_path / "out").exists()
 
 
 # --- how it is run -----------------------------------------------------------------------------
