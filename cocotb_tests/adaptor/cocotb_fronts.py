@@ -236,6 +236,8 @@ async def pins_that_change_at_random_are_answered_as_ever(tb):
             return chance.random() < 0.7
         return chance.choice([(1 << len(pin)) - 1, 1, chance.randrange(1 << len(pin))])
 
+    for pin in inputs:
+        pin.value = 0
     for _ in range(PARTS):
         seen = []
         for _ in range(CLOCKS_EACH):

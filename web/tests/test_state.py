@@ -111,3 +111,23 @@ def test_what_others_do_and_what_is_lost_is_shown_by_every_page(desk):
     os.kill(gateway, signal.SIGKILL)
     desk.eventually(lambda: "Not connected" in page.inner_text("#cause"))
     assert page.is_disabled("#control") and other.errors == []
+
+
+def test_a_square_wave_of_the_page_ends_with_power(desk):
+    """PANIC ends it; Enable starts nothing, and nothing is written meanwhile."""
+    page = desk.page
+    page.click("#tile4")
+    pick(page, "#axis4-mode", "pos")
+    enable(page)
+    pick(page, "[id='axis4-setpoint source']", "square")
+    enter(page, "#axis4-setpoint", "100")
+    desk.until("() => mctool.machine.history.latest(4).setpoint !== 0")
+    desk.stop_frame.click("#press")
+    desk.until("() => !mctool.machine.enabled")
+    desk.eventually(lambda: chosen(page, "[id='axis4-setpoint source']") == "slider")
+    assert page.evaluate("() => mctool.page.axes[4].square") is None
+    desk.stop_frame.click("#press")
+    desk.until("() => !mctool.machine.input('estop')")
+    page.click("#enable")
+    desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
+    assert page.evaluate("() => mctool.page.axes[4].square") is None
