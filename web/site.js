@@ -124,12 +124,12 @@ function repeatMotion(page) {
   let began = null; // s
   let last = [];
   let asks = false;
-  const touched = new Set();
+  let touched = false;
   const again = async () => {
     const { history, enabled, controls } = machine;
     const axes = page.axes.filter(({ param }) => param);
     const over = document.body.dataset.hash && axes.every(({ mode }) => mode === "pos");
-    if (asks || touched.size || !over || !enabled || !controls) return;
+    if (asks || touched || !over || !enabled || !controls) return;
     if (began === null) [began, last] = [history.now, axes.map(({ setpoint }) => setpoint)];
     const share = (1 - Math.cos((2 * Math.PI * (history.now - began)) / TO_AND_FRO_S)) / 2;
     asks = true;
@@ -138,8 +138,8 @@ function repeatMotion(page) {
     asks = false;
   };
   machine.on("samples", again);
-  for (const type of TOUCHES)
-    document.addEventListener(type, () => touched.add(type), { capture: true });
+  const touch = () => (touched = true);
+  for (const type of TOUCHES) document.addEventListener(type, touch, { capture: true });
 }
 
 /** STOP has a way of its own to the Worker: it works while this page's stream floods. */
