@@ -27,6 +27,7 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
 from mmcs.sweeps import campaign, campaign_report, classes, faults
 from mmcs.tests.conftest import call
+from mmcs.tests.insides import INSIDES
 from mmcs.tests.talks import TALKS
 from mmcs.tests.test_identify import recording
 from mmcs.tests.test_tool import PD, TOOK, advise
@@ -101,6 +102,18 @@ SESSIONS = {
         ("user_loop", "process.0.to=[1,2,3,4,5,6,7]", "process.0.from=[1,2,3]",
          "'motion=[{axis=0, kind=\"step\", at=0.05, to=200}]'"),
     ) for more in sets],
+    "compile": ["compile lab500 -o a.bin --cflags --libs", "compile lab500 -o a.bin --libs",
+                "compile lab500 -o a.bin --cflags", "compile lab500 -o a.bin --host vax",
+                "run lab500 --out a --set duration=0.07 --set 'expect=[{kind=\"axis\","
+                "final_counts=[0,1]},{kind=\"axis\",peak_error_counts=[0,1]},"
+                "{kind=\"calibration\",axis=0,found=false}]'"],
+    "wrong": [f"check lab500 --set {one}" for one in (
+        "robot.axis.0.gear=0", "robot.axis.0.amp_gain=0", "dynamics=coupled", "axis.x=1",
+        "robot.axis.0.stop_lo=5 --set robot.axis.0.stop_hi=-5", "axis.1x.b0=5", "robot.axis=[3]",
+        "axis=3 --set axis.0.b0=1", "'card=[{file=\"x.sv\"}]'", "axis.0.modus=4",
+        "robot.axis.7.gear=1", "motion.0.kind=wave",
+        *(f"'event=[{{at=0.1,input=\"{name}\",value=1}}]'" for name in ("qqq", "estap")),
+        "'motion=[{kind=\"table\",axis=0,file=\"x.csv\"}]'")],
     "mctool": ["tool --no-browser no_such_scenario", "tool --attach nobody", "tool -t -5",
              "tool --theme 2089", "tool --attach a/b", "tool lab500 --sheets nowhere"],
 }  # fmt: skip
@@ -281,6 +294,7 @@ VALUES = {
                            list(itertools.islice(lockstep.runs(7), 12)),
                            shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
     **TALKS,
+    **INSIDES,
 }  # fmt: skip
 
 
