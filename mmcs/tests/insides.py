@@ -2,10 +2,12 @@
 """What functions do beside stand-ins for what they call: builds, sweeps, silent drivers, bars
 (test_output.py)."""
 
+import asyncio
 import contextlib
 import itertools
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -19,14 +21,17 @@ import pytest
 import rich.progress
 
 from mmcs import place, screen, service
+from mmcs.device import client, execute, wire
 from mmcs.engine import build, hosts, verilator
 from mmcs.errors import RunError
 from mmcs.runs import machine
 from mmcs.runs.session import Session
 from mmcs.scenario.load import load
 from mmcs.sweeps import stops, workers
-from mmcs.tool import launch, urgent
+from mmcs.tool import gateway, launch, urgent
 from mmcs.view import film
+
+REPLY = wire.REPLY.pack(*wire.REPLY.unpack(bytes([3, *bytes(wire.REPLY.size - 1)]))) + b"x"
 
 
 def told(what, *given, **more):
@@ -306,6 +311,65 @@ def a_film(path):
     return none.tolist(), cycles.tolist(), cell.calls
 
 
+def a_wire(_):
+    """(exchanges with a server that goes, the console of one elsewhere, pages of a machine)"""
+    ends, size = [], gateway.LENGTH.pack
+    for packet in (None, b"short", REPLY):
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with ours, theirs:
+            theirs.send(packet) if packet else theirs.close()
+            ends.append(told(client._exchange, ours, 1, 2, 3, b"abc"))
+    link, said, log = Recorder(), Recorder(), {"kind": "log", "text": "a"}
+    link.receive = Recorder(log, [1], {"kind": "panic", "text": "b"}, OSError())
+    link.kept = lambda: [{"kind": "log", "text": "c"}, 7]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(execute, "say", said)
+        patch.setattr(execute.select, "select", lambda links, *_: (links, [], []))
+        console = execute._Console(link)
+        for _ in range(3):
+            console.step()
+        console.finish()
+        console.step()
+        console.finish()
+
+    class Page(Recorder):
+        async def send(self, data):
+            self("send", data)
+
+        async def close(self, *why):
+            self("close", *why)
+
+        async def __aiter__(self):
+            for one in self.sends:
+                yield one
+            await asyncio.sleep(self.stays)
+
+    async def carried(fed, sends, stays):
+        reader, writer, page = asyncio.StreamReader(), Recorder(), Page()
+        page.sends, page.stays = sends, stays
+        reader.feed_data(fed)
+        if stays:
+            reader.feed_eof()
+        writer.drain = lambda: asyncio.sleep(0)
+
+        async def opened(_):
+            if not fed:
+                raise OSError
+            return reader, writer
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(asyncio, "open_unix_connection", opened)
+            await gateway.carry(page, "there")
+        ends.append((page.calls, writer.calls))
+
+    told_it = size(2) + b"{}" + size(3) + b"abc"
+    for fed, sends, stays in ((b"", [], 0), (told_it, ["one", "two"], 9), (told_it, ["x", b"y"], 0),
+                              (told_it, [], 0), (size(1 << 26) + b"a", [], 9),
+                              (size((1 << 26) + 1), [], 9), (size(9) + b"cut", [], 9)):  # fmt: skip
+        asyncio.run(carried(fed, sends, stays))
+    return ends, link.calls, said.calls
+
+
 def inside(make):
     """Its values, made in the folder, which they do not name."""
 
@@ -318,5 +382,6 @@ def inside(make):
 
 INSIDES = {name: inside(make) for name, make in {
     "builds": a_build, "commands built": a_command, "silent": lambda _: list(silences(_)),
-    "bars": bars, "workers": a_sweep, "page's processes": a_tool, "bus film": a_film,
+    "bars": bars, "workers": a_sweep, "page's processes": a_tool, "wire": a_wire,
+    "bus film": a_film,
 }.items()}  # fmt: skip
