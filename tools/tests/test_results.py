@@ -14,9 +14,10 @@ from types import SimpleNamespace
 import pytest
 
 from mmcs import ROOT
-from tools import file_rules, formal, golden, lint, parsers, website
+from tools import file_rules, formal, golden, lint, parsers
 from tools.compiled import ran
 from tools.mutation import faults, mutants, mutate
+from tools.tests import making
 
 FILE = Path(__file__).with_name("golden.txt")
 LICENCE = "# SPDX-License-Identifier: Apache-2.0\n"
@@ -37,6 +38,13 @@ class Tried:
     def main(self, module, *words: str):
         self.put(sys, argv=[module.__name__, *words])
         return module.main()
+
+    def end(self, module, *words: str):
+        """What it ends with, which may be an exception."""
+        try:
+            return self.main(module, *words)
+        except (Exception, SystemExit) as error:
+            return type(error).__name__, str(error)
 
     def put(self, module, **named) -> None:
         for name, what in named.items():
@@ -121,29 +129,6 @@ def formal_of(tried):
     return told, ends, tried.main(formal), [formal.text(file) for file in groups]
 
 
-def website_of(tried):
-    engines = {f"build/sim/web_c{n}/mmcs_sim.{end}": f"mmcs_sim.wasm{n}"
-               for n in website.CARDS for end in ("wasm", "mjs")}  # fmt: skip
-    tried.files(engines | {
-        "web/index.html": '<title>mctool</title><script src="main.js">', "web/tests/t": "",
-        "web/offline.js": 'const files = "FILES", version = "VERSION";', "web/main.js": "",
-        "web/engine/sim.js": "s", "lib/p/preact.module.js": "p", "lib/p/other.js": "o",
-    })  # fmt: skip
-    root = tried.folder
-    tried.put(website, SITE=root / "build/web", BUILD=root / "build", PAGES=root / "web",
-              library_folder=lambda: root / "lib", LIBRARIES={"preact": "p"}, __version__="0",
-              named=lambda: ["lab500", "user_loop", "fault_estop"],
-              compiled=lambda setup: setup.name.encode())  # fmt: skip
-    tried.put(website.labs, everything=lambda: {"sheets": []})
-    tried.put(website.zlib, compress=lambda data, level: data[:99])
-    tried.put(website.os, strerror=lambda number: f"error {number}", environ={"PATH": "own"})
-    tried.note(website.sbom, write=None)
-    tried.note(website.subprocess, run=SimpleNamespace(returncode=0))
-    tried.main(website)
-    made = sorted(f for f in website.SITE.rglob("*") if f.is_file() and f.name[0] != "k")
-    return [(f, f.read_text()[:280]) for f in made], website.knowledge()
-
-
 def parsers_of(tried):
     chance, every = parsers.random.Random(7), parsers.parsers
     wild = parsers.Parser("wild", b"abc", lambda data: data[0] and data.decode(), (ValueError,))
@@ -197,7 +182,19 @@ def mutate_of(tried):
     return ends, tried.main(mutate, "--only", "z"), mutate.RESULTS.read_text()
 
 
-PROGRAMS = {name[:-3]: made for name, made in globals().items() if name.endswith("_of")}
+PROGRAMS = {name[:-3]: made for some in (globals(), vars(making)) for name, made in some.items()
+            if name.endswith("_of")}  # fmt: skip
+
+
+def bare(value, folder: Path):
+    """Without the folder's name, whose length would decide where lines end."""
+    if isinstance(value, dict):
+        return {key: bare(one, folder) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [bare(one, folder) for one in value]
+    if not isinstance(value, str | Path):
+        return value
+    return golden.plain(str(value).replace(sys.prefix, "PREFIX"), folder)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
@@ -208,7 +205,7 @@ def test_what_programs_write(name, tmp_path, monkeypatch, capsys):
     tried = Tried(tmp_path, monkeypatch)
     made = PROGRAMS[name](tried), tried.called
     monkeypatch.undo()
-    text = pprint.pformat(made, width=99, sort_dicts=False).replace(sys.prefix, "PREFIX")
+    text = pprint.pformat(bare(made, tmp_path), width=99, sort_dicts=False)
     text = "\n".join([re.sub(r"(faults/)\d+_", r"\1", text), *capsys.readouterr()])
     golden.same(name, golden.plain(text, tmp_path), FILE)
 
