@@ -45,7 +45,6 @@ static int start(struct mc *mc) {
     }
   } else {
     hw_put(mc, MMCS_VECTOR, mc->config.vector);
-    mc->power = MC_IDLE;
     mc->stopped = mc->shut = MC_FREE;
     mc->cause = MCAUSE_NONE;
     mc->cause_of = mc->silent = mc->told = 0;

@@ -43,6 +43,15 @@ TEST(test_attach_begins_anew, "DRV-1 DRV-2") {
   CHECK_EQ(mc_joints(mc), 4);
   mock_run(&m, 2100); /* not enabled: only looks */
   CHECK_EQ(m.card[0].b, 5);
+  CHECK_EQ(enable(mc), 0);
+  CHECK_EQ(mc_halt(mc), 0);
+  CHECK_EQ(mc_attach(mc, &m.bus, &m.os, &config), 0);
+  CHECK(!mc_is_stopped(mc));
+  CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
+  mock_run(&m, 60000);
+  CHECK_EQ(mc_stats_of(mc)->panics, 1); /* of the stop before, which nobody knows */
+  CHECK_EQ(mc_close(mc, 0), 0);
+  CHECK_EQ(m.pccsr, 0x18); /* nobody is left */
 }
 
 static int add(struct mock_access *want, int n, int write, unsigned offset, unsigned value) {

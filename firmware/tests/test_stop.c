@@ -104,7 +104,7 @@ TEST(test_a_halt_of_a_closed_or_dead_machine, "DRV-9") {
   struct mc *mc = mock_start(&m, 1);
   m.logging = 1;
   CHECK_EQ(mc_halt(mc), 0);
-  CHECK_EQ(m.used, 0);
+  CHECK(m.used == 0 && !mc_is_stopped(mc));
   CHECK_EQ(mc_open(mc, MC_O_RDWR), 0);
   m.used = 0;
   CHECK_EQ(mc_halt(mc), 0); /* at rest already */
@@ -115,6 +115,8 @@ TEST(test_a_halt_of_a_closed_or_dead_machine, "DRV-9") {
   CHECK_EQ(mc_halt(mc), -MC_EIO);
   CHECK(!mc_is_enabled(mc));
   CHECK_EQ(m.masked, 0);
+  m.adaptor_dead = 0;
+  CHECK_EQ(mc_halt(mc), 0); /* what failed is over */
 }
 
 /* Monitors keep nothing going, and lose nothing: state goes on. */
