@@ -84,7 +84,7 @@ void Rack::written(Part &part) {
 void Rack::stick(const std::string &reg, uint64_t clear, uint64_t set) {
   Part *part;
   RegisterPlace &place = find(find_register(reg), &part);
-  part->catch_up(clock_);
+  if (!stopped_) part->catch_up(clock_);
   part->load();
   part->model.hold(place, clear, set);
   part->choose_cache(cache_of(*part));

@@ -54,12 +54,14 @@ static void start(void) {
   hz = mmcs_sim_build_clk_hz();
 }
 
-// Delivers SIGUSR1; whether there was one.
+// Delivers SIGUSR1; whether a call that waits ends by one.
 static int deliver(void) {
   int due = 0;
+  sigset_t blocked;
   for (int fd = 0; sim && fd < FILES; fd++)
     if (client[fd] && mmcs_sim_signals(sim, client[fd] - 1) > 0) due = 1;
-  return due && raise(SIGUSR1) == 0;
+  if (!due || raise(SIGUSR1) != 0 || sigprocmask(SIG_BLOCK, NULL, &blocked) != 0) return 0;
+  return !sigismember(&blocked, SIGUSR1);
 }
 
 static int answer(int result) {
@@ -69,10 +71,10 @@ static int answer(int result) {
   return -1;
 }
 
-// Lets time pass; -1 and EINTR after a signal.
+// Lets at least so much time pass; -1 and EINTR after a signal.
 static int pass(int64_t ns) {
   start();
-  const int64_t end = mmcs_sim_clock(sim) + (int64_t)((__int128)ns * hz / SECOND);
+  const int64_t end = mmcs_sim_clock(sim) + (int64_t)(((__int128)ns * hz + SECOND - 1) / SECOND);
   while (mmcs_sim_clock(sim) < end) {
     if (mmcs_sim_run_to(sim, end, 0) != 0) die("an assertion of the machine has failed");
     if (deliver()) {
@@ -117,7 +119,8 @@ static int wait_sample(int *samples) {
   while (mmcs_sim_samples(sim) == before && mmcs_sim_clock(sim) < end)
     if (mmcs_sim_run_to(sim, end, 1) != 0) die("an assertion of the machine has failed");
   if (mmcs_sim_samples(sim) == before) return -EIO;
-  if (samples) *samples = (int)mmcs_sim_samples(sim);
+  if (!samples) return -EFAULT;
+  *samples = (int)mmcs_sim_samples(sim);
   return 0;
 }
 

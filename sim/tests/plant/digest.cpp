@@ -57,6 +57,8 @@ int main() {
   auto arm = bench::puma_arm(motors);
   auto alone =
       mmcs::Plant::create(bench::config(6), motors.data(), nullptr, bench::kClks, bench::kGap);
-  std::printf("%016llx %016llx\n", static_cast<unsigned long long>(run(*arm, 100000)),
-              static_cast<unsigned long long>(run(*alone, 100000)));
+  auto five = mmcs::Plant::create(bench::config(5, 5), motors.data(), robots::puma560_links,
+                                  bench::kClks, bench::kGap);  // the last pair of joints is half
+  for (auto *plant : {&arm, &alone, &five})
+    std::printf("%016llx\n", static_cast<unsigned long long>(run(**plant, 100000)));
 }

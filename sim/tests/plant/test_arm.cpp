@@ -84,26 +84,6 @@ TEST(contact_solutions_obey_friction_and_stops) {
         stops);
 }
 
-TEST(held_arm_is_bit_identical_for_ten_seconds) {
-  auto motors = bench::puma_rotors();
-  for (auto &m : motors) m.brake_torque = 0.0;
-  // Upright, leaning a little: gravity pulls on joints 2 and 3, within their Coulomb friction.
-  motors[1].angle0 = 1.5;
-  motors[2].angle0 = -1.5;
-  motors[4].angle0 = 0.3;
-  auto plant = bench::puma_arm(motors);
-  mmcs::Arm arm(robots::puma560_links, kN, bench::kGravity);
-  const auto before = angles(*plant);
-  arm.pose(before.data());
-  const double rest[kN] = {};
-  double tau[kN];
-  arm.inverse_dynamics(rest, nullptr, tau);
-  CHECK(std::abs(tau[1] / motors[1].gear) > 0.01, "gravity on joint 2 is only %g", tau[1]);
-  run(*plant, 0.0, 10.0);
-  CHECK(angles(*plant) == before, "the arm crept");
-  for (int i = 0; i < kN; ++i) CHECK(plant->velocity(i) == 0.0, "joint %d moves", i + 1);
-}
-
 TEST(brakes_hold_what_friction_cannot) {
   auto motors = bench::puma_rotors();
   auto plant = bench::puma_arm(motors);
@@ -163,7 +143,6 @@ TEST(links_that_stand_keep_their_place_to_the_bit) {
   }
 }
 
-// Nothing that was calculated before a restored state has a say in what follows.
 TEST(energy_of_a_free_arm_is_kept) {
   const auto motors = bench::free_rotors();
   auto plant = bench::puma_arm(motors);
