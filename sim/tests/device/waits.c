@@ -262,22 +262,25 @@ static void *reader(void *end) {
 
 /* What is left of a timer, and what a closed one does no more. */
 static void timers(void) {
-  struct itimerspec often = {{0, 1000000}, {0, 3000000}};
+  struct itimerspec often = {{0, 1000000}, {0, 3000000}}, once = {.it_value = {0, 1}};
   struct itimerval left;
   timer_t id;
-  int fd = timerfd_create(CLOCK_MONOTONIC, 0), other = timerfd_create(CLOCK_MONOTONIC, 0);
+  int fd = timerfd_create(CLOCK_MONOTONIC, 0), other = timerfd_create(CLOCK_MONOTONIC, 0), status;
   FILE *file;
   timer_create(CLOCK_MONOTONIC, NULL, &id);
   timer_settime(id, 0, &often, NULL);
   timerfd_settime(fd, 0, &often, NULL);
   timerfd_settime(other, 0, &often, NULL);
-  ualarm(3000, 0);
+  ualarm(3000, 700);
   usleep(1000);
-  TIMED((getitimer(ITIMER_REAL, &left), left.it_value.tv_usec));
-  TIMED((timer_gettime(id, &often), often.it_value.tv_nsec));
-  TIMED((timerfd_gettime(fd, &often), often.it_value.tv_nsec));
-  timer_delete(id);
-  ualarm(0, 0);
+  TIMED((getitimer(ITIMER_REAL, &left), left.it_value.tv_usec + left.it_interval.tv_usec));
+  TIMED((timer_gettime(id, &often), often.it_value.tv_nsec + often.it_interval.tv_nsec));
+  TIMED((timerfd_gettime(fd, &often), often.it_value.tv_nsec + often.it_interval.tv_nsec));
+  TIMED((timer_delete(id), timer_delete(id)));
+  fflush(stdout);
+  if (fork() == 0) _exit((getitimer(ITIMER_REAL, &left), left.it_value.tv_usec > 0));
+  TIMED((wait(&status), status)); /* it inherits none */
+  TIMED(ualarm(0, 0));
   close(fd);
   file = tmpfile();
   dup2(fd, other); /* closes it, too */
@@ -285,6 +288,19 @@ static void timers(void) {
   TIMED(fileno(file) == fd ? lseek(fd, 0, SEEK_END) : -1);
   fclose(file);
   close(other);
+  timer_create(CLOCK_REALTIME, NULL, &id);
+  caught = 0;
+  TIMED((timer_settime(id, TIMER_ABSTIME, &once, NULL), usleep(10), caught)); /* it was long ago */
+  once.it_value = at(CLOCK_REALTIME, 2);
+  timer_settime(id, TIMER_ABSTIME, &once, NULL);
+  TIMED(pause());
+  once.it_value.tv_nsec = 1000000000;
+  TIMED(timer_settime(id, 0, &once, NULL));
+  TIMED(timerfd_settime(0, 0, &often, NULL));
+  TIMED((alarm(2), usleep(500000), alarm(0)));
+  TIMED(read(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK), &left, sizeof left));
+  for (fd = 0; timer_create(CLOCK_MONOTONIC, NULL, &id) == 0;) fd++;
+  TIMED(fd);
 }
 
 /* Loops that wait for no time; signals to a thread, and to a group. */

@@ -82,20 +82,6 @@ def test_changes_come_with_their_times():
         assert all(0.049 < t - panic["t"] < 0.0515 for t in silence) and len(silence) == 2
 
 
-def test_a_ring_keeps_the_newest_and_counts_the_lost():
-    with machine() as sim:
-        sim.tap(16, 8)
-        run(sim)
-        rows, events, _ = sim.tap_head()
-        _, count, after, lost = sim.tap_rows(0, 1, 1000)
-        assert (count, after, lost) == (16, rows, rows - 16)
-        found, after, lost = sim.tap_events(0, 1000)
-        assert [e["n"] for e in found] == list(range(events - 8, events))
-        assert (after, lost) == (events, events - 8)
-        _, count, after, _ = sim.tap_rows(rows - 16, 5, 1000)
-        assert after % 5 == 0 and after >= rows and count in (3, 4)
-
-
 def test_no_request_waits_longer_than_a_second():
     """An SCLOCK every 100 s: MENABLE would wait for the first pass."""
     with machine() as sim:

@@ -13,6 +13,7 @@ from machines import event, everything, input_number, machine, notes, start
 from mmcs import ROOT, load, mcdef, regs
 from mmcs import machine as machine_of
 
+pytestmark = pytest.mark.req("API-1")
 LONG = os.environ.get("MMCS_LONG") == "1"
 SEED = int(os.environ.get("MMCS_SEED", "5"))
 
@@ -62,7 +63,6 @@ def test_machines_end_in_any_order():
             first.run(0.001)
 
 
-@pytest.mark.req("API-1")
 @pytest.mark.parametrize("case", CASES)
 def test_round_trip_at_random_ticks(case):
     """Every detour into the future and back leaves the run as one that never left: also what a
@@ -87,7 +87,6 @@ def test_round_trip_at_random_ticks(case):
             detoured.drop(number)
 
 
-@pytest.mark.req("API-1")
 def test_snapshot_at_an_instant_in_the_middle_of_the_firmware():
     """It is then of the last instant before; replayed forward it passes the one asked for."""
     with machine(latency_max_us=0.0) as sim:
@@ -109,7 +108,6 @@ def test_snapshot_at_an_instant_in_the_middle_of_the_firmware():
         assert seen == {True, False}
 
 
-@pytest.mark.req("API-1")
 def test_ring_keeps_the_last_ones_and_changes_nothing():
     with machine() as plain, machine() as ringed:
         busy(plain)
@@ -132,7 +130,6 @@ def test_ring_keeps_the_last_ones_and_changes_nothing():
 # --- as bytes ----------------------------------------------------------------------------------
 
 
-@pytest.mark.req("API-1")
 @pytest.mark.parametrize(("first", "then"), [
     ("speed", "speed"), ("speed", "trust"), ("speed", "trace"), ("trust", "speed"),
     ("trace", "trust"),
@@ -159,7 +156,6 @@ def test_bytes_continue_in_another_machine(first, then):
         assert (other.hash(), other.log().tobytes(), other.checkpoints()) == expected
 
 
-@pytest.mark.req("API-1")
 @pytest.mark.parametrize("first", ["speed", "trust"])
 def test_bus_checkers_begin_anew_after_a_way_back(first):
     """Into the middle of a command on the PC bus, of which they know nothing: no false alarm. From
@@ -190,7 +186,6 @@ def test_bus_checkers_begin_anew_after_a_way_back(first):
     assert len(seen) == len(taken) and all("u_pcbus_checker" in text for text in seen), seen
 
 
-@pytest.mark.req("API-1")
 def test_the_digest_is_of_every_source():
     """Two builds that differ in a file of the model, the engine, the plant or the driver have other
     digests: a snapshot of one is none of the other."""
@@ -201,7 +196,6 @@ def test_the_digest_is_of_every_source():
     assert named <= set(made)
 
 
-@pytest.mark.req("API-1")
 def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
     with machine() as sim:
         busy(sim)
@@ -259,7 +253,6 @@ tap_note name 0 0 name: 0 -1; set_look no no: 0 -1
 """
 
 
-@pytest.mark.req("API-1")
 def test_calls_refuse_what_is_impossible_and_nothing_else():
     with machine() as sim:
         assert sim.run(0.01)
@@ -322,7 +315,6 @@ def test_future_is_equal_where_only_the_past_differs():
 # --- what is done to one, done to another --------------------------------------------------------
 
 
-@pytest.mark.req("API-1")
 def test_deeds_lead_another_machine_the_same_way():
     """Requests, also refused ones, bus cycles, events, motions; with some left out it differs."""
     rng = random.Random(1989)

@@ -12,6 +12,7 @@ import pytest
 from mmcs import ROOT, mcdef, service, setup_file
 from tools.compiled import compiled, ran, written
 
+pytestmark = pytest.mark.req("FW-1")
 RECORDER = r"""
 #include <stdio.h>
 #include <stdlib.h>
@@ -144,14 +145,12 @@ ON = ["MGETPARAM 0", "MSETPARAM 0 a0 5 mode 201", "MGETPARAM 1", "MSETPARAM 1 a0
       "MENABLE"]  # fmt: skip
 
 
-@pytest.mark.req("FW-1")
 def test_a_driver_is_configured_in_the_order_of_a_user_program(said):
     assert said("configure", 0, 0, 3) == [*ALL, *ON, "write 0 0", "= 0"]
     assert said("configure", 1, 0, 1) == ["MSETVERBOSITY 1", *ALL, "= 0"]
     assert said("configure", 0, 0, 2) == [*ON, "= 0"]
 
 
-@pytest.mark.req("FW-1")
 def test_the_first_refusal_ends_it_and_is_named(said):
     names = [line.split(" a0")[0] for line in [*ALL, *ON]]
     names = [n.replace("PARAM ", "PARAM of axis ") for n in names] + ["write of the setpoints"]
@@ -160,7 +159,6 @@ def test_the_first_refusal_ends_it_and_is_named(said):
         assert len(lines) == n + 2 and lines[-1] == f"= -{errno.EINVAL} {name}"
 
 
-@pytest.mark.req("FW-1")
 def test_a_script_begins_as_a_user_program_does(said, set_up):
     """Motions and events at power-on first, those of the motion when its start is known."""
     up = {"at": 0.1, "until": -1, "value": 1, "input": 2, "at_power_on": 1}
@@ -178,7 +176,6 @@ def test_a_script_begins_as_a_user_program_does(said, set_up):
     assert said("begin", 0, 13, 0, file)[-1] == "= 22 MENABLE", "this one is expected"
 
 
-@pytest.mark.req("FW-1")
 def test_calls_ask_each_axis_named(said, set_up):
     def call(request, axes=5, value=0, fail=0):
         return said("call", 0, fail, 0, set_up(), getattr(mcdef, request), axes, value)

@@ -22,6 +22,7 @@ from mmcs import (
 from mmcs.engine.script import made_from
 from mmcs.engine.sim import load_library
 
+pytestmark = pytest.mark.req("API-1")
 HEAD, SUM, BUILD, NAME = 0, 12, 16, 80  # offsets of fields of mmcs_setup
 AGAIN = "make it by `mmcs compile`"
 CUT, DAMAGED, NONE = "the set-up is cut short", "the set-up is damaged", "this is no set-up"
@@ -59,7 +60,6 @@ def with_sum(data: bytes) -> bytes:
     return data[:SUM] + zlib.crc32(data[BUILD:]).to_bytes(4, "little") + data[BUILD:]
 
 
-@pytest.mark.req("API-1")
 def test_every_byte_that_is_another_is_noticed(lib, good):
     """Each of the head and of the records' beginning, and others by chance."""
     chance = random.Random(1)
@@ -71,7 +71,6 @@ def test_every_byte_that_is_another_is_noticed(lib, good):
         assert told.startswith(expected) and told.endswith(AGAIN), (at, told)
 
 
-@pytest.mark.req("API-1")
 def test_every_length_that_is_another_is_noticed(lib, good):
     head = make_ffi().sizeof("mmcs_setup")
     for size in (*range(head + 9), *range(head, len(good), 97), len(good) - 8, len(good) - 1):
@@ -82,7 +81,6 @@ def test_every_length_that_is_another_is_noticed(lib, good):
         assert refused(lib, good + more).startswith(DAMAGED)
 
 
-@pytest.mark.req("API-1")
 def test_foreign_files_and_builds_are_refused(lib, good):
     for text in (b"mmcsfmu3" + good[8:], b"\x7fELF" + bytes(900), b'{"mmcs_run": 1}', b"x" * 999):
         assert refused(lib, text) == f"{NONE}: {AGAIN}"
@@ -101,7 +99,6 @@ def test_foreign_files_and_builds_are_refused(lib, good):
 
 
 @pytest.mark.parametrize("name", ["lab500", "lab500_nocomp", "fault_estop"])
-@pytest.mark.req("API-1")
 def test_a_file_gives_the_hash_of_its_scenario(tmp_path, name):
     setup = load(name, duration=0.15)
     path = tmp_path / f"{name}.bin"
@@ -112,7 +109,6 @@ def test_a_file_gives_the_hash_of_its_scenario(tmp_path, name):
         name, duration=0.15, seed=setup.scenario.seed + 1).hash  # fmt: skip
 
 
-@pytest.mark.req("API-1")
 def test_every_scenario_survives_the_file(tmp_path):
     one, two, buffer = tmp_path / "one.bin", tmp_path / "two.bin", make_ffi().buffer
     for name in scenario_names():
@@ -158,7 +154,6 @@ def hash_of(lib, data: bytes, **given) -> int:
     return found
 
 
-@pytest.mark.req("API-1")
 def test_overrides_are_the_scenario_with_these_values(lib, tmp_path):
     ffi, setup = make_ffi(), load("lab500")
     write_setup(setup, tmp_path / "lab500.bin")
