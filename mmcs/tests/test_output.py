@@ -28,6 +28,7 @@ from mmcs.scenario.scenario import Scenario
 from mmcs.sweeps import campaign, campaign_report, classes, faults
 from mmcs.tests.conftest import call
 from mmcs.tests.insides import INSIDES
+from mmcs.tests.refusals import REFUSALS
 from mmcs.tests.talks import TALKS
 from mmcs.tests.test_identify import recording
 from mmcs.tests.test_tool import PD, TOOK, advise
@@ -295,6 +296,7 @@ VALUES = {
                            shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
     **TALKS,
     **INSIDES,
+    **REFUSALS,
 }  # fmt: skip
 
 

@@ -69,7 +69,10 @@ def _read(folder: Path) -> Run:
         for lines in log_lines(file, BLOCK):
             for line in lines:
                 crc = zlib.crc32(line, crc)
-            block = np.loadtxt(lines, delimiter=",", ndmin=2)
+            try:
+                block = np.loadtxt(lines, delimiter=",", ndmin=2)
+            except ValueError:  # numpy's words are for who calls it
+                raise ValueError("its log.csv is damaged") from None
             rows, width = rows or Rows(block.shape[1]), block.shape[1]
             if width != rows.columns or not (np.abs(block) < LARGEST).all():
                 raise ValueError("its log.csv is damaged")
