@@ -3,6 +3,7 @@
 
 import contextlib
 import datetime
+import itertools
 import json
 import os
 import shutil
@@ -10,9 +11,11 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import pytest
+
 from fpga import build
 from mmcs import load
-from studies import lockstep
+from studies import lockstep, replay
 from tools import abc_for_sby, book, coverage, dpi, release, setup_venv, website
 
 
@@ -143,7 +146,29 @@ def coverage_of(tried):
         tried.note(coverage.subprocess, run=SimpleNamespace(returncode=code))
         tried.note(coverage, report=code)
         ends.append(tried.main(coverage, *["--only", "b"][: 2 * (len(ends) > 1)]))
-    return made, ends, sorted(map(str, tried.folder.rglob("*.dat")))
+    keys = ('file = "rtl/x/*"', 'kind = "line"\nmatch = "^ *if"', 'line = "end"', 'what = "else$"',
+            'file = "rtl/y"')  # fmt: skip
+    text = [f'[[exception]]\nreason = "r{n}"\n{key}\n' for n, key in enumerate(keys)]
+    text = "".join(one if "file" in one else f'{one}file = "*.sv"\n' for one in text)
+    excepted = coverage.Exceptions(tried.files({"e.toml": text}) / "e.toml")
+    points = itertools.product(("rtl/a.sv", "rtl/x/b"), ("  if (a)", " end", "z"),
+                               ("line", "toggle"), ("if else", ""))  # fmt: skip
+    reasons = [excepted.reason(*point) for point in points]
+    return made, ends, sorted(map(str, tried.folder.rglob("*.dat"))), reasons, excepted.idle()
+
+
+def replay_of(tried):
+    """The record of a run's first milliseconds, and the programs that are built for it."""
+    tried.put(replay, FOLDER=tried.folder, SIMULATED_S={"Icarus": 0.004, "CXXRTL": 0.002})
+    tried.note(replay, run="a 1 2 3", carried_out=("0", 0.5))
+    replay.record(load("puma560"))
+    replay.build_icarus()
+    made = [replay.speed(kind) for kind in replay.SIMULATED_S]
+    tried.note(replay, carried_out=("7", 0.5))
+    with pytest.raises(SystemExit) as end:
+        replay.speed("Icarus")
+    files = sorted(path for path in tried.folder.iterdir() if path.is_file())
+    return made, str(end.value), [(path, path.read_text().splitlines()) for path in files]
 
 
 def fpga_of(tried):
