@@ -44,8 +44,11 @@ def _load_file(path: Path, sets: tuple[str, ...], overrides: dict):
         raise InputError.one(path, "", None, str(error)) from None
     given = {key: value for key, value in overrides.items() if value is not None}
     data = source["data"]
-    apply_sets(data, sets)
-    setup = setup_of(path, data | given, source["files"])
+    typed = apply_sets(data, sets)
+    try:
+        setup = setup_of(path, data | given, source["files"])
+    except InputError as error:
+        raise InputError(*(_of(one, path, {}, typed) for one in error.mistakes)) from None
     setup.host = HOSTS[found["config"][0].host]
     if not sets and not given:
         setup.binary = binary
@@ -57,7 +60,14 @@ def setup_of(path: Path, data: dict, files: dict[str, str]) -> Setup:
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
             (Path(folder) / name).write_text(text)
-        setup = make_setup(Path(folder) / f"{path.stem}.toml", data)
+        made = Path(folder) / f"{path.stem}.toml"
+        try:
+            setup = make_setup(made, data)
+        except InputError as error:  # this folder will be gone
+            named = {str(made): str(path)}
+            raise InputError(
+                *(replace(one, file=named.get(one.file, one.file)) for one in error.mistakes)
+            ) from None
     setup.path = path
     return setup
 

@@ -333,8 +333,8 @@ def a_wire(_):
         console.finish()
 
     class Page(Recorder):
-        async def send(self, data):
-            self("send", data)
+        async def send(self, *data):
+            self("send", *map(str, data))
 
         async def close(self, *why):
             self("close", *why)
@@ -359,8 +359,11 @@ def a_wire(_):
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(asyncio, "open_unix_connection", opened)
+            patch.setattr(gateway, "_at_work", {*range(gateway.MOST_WORKERS - stays // 9)})
+            patch.setattr(gateway, "_work", lambda page, *given: page.send(*given))
             await gateway.carry(page, "there")
-        ends.append((page.calls, writer.calls))
+            await gateway.advise(page, "a", "b")
+            ends.append((page.calls, writer.calls, len(gateway._at_work)))
 
     told_it = size(2) + b"{}" + size(3) + b"abc"
     for fed, sends, stays in ((b"", [], 0), (told_it, ["one", "two"], 9), (told_it, ["x", b"y"], 0),

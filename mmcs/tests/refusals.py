@@ -9,17 +9,21 @@ import shutil
 import sys
 import time
 import zlib
+from pathlib import Path
 from types import SimpleNamespace as Of
 
+import numpy as np
 import pytest
 
-from mmcs import mcdef, screen, setup_file
-from mmcs.runs import record
+from mmcs import ROBOTS, mcdef, screen, setup_file
+from mmcs.runs import record, report
+from mmcs.scenario.load import load_robot
+from mmcs.sweeps.campaign_report import wilson
 from mmcs.sweeps.twin import Twin
 from mmcs.tests.conftest import call
 from mmcs.tests.insides import Recorder, inside, told
 from mmcs.tool.advisor import Advisor
-from mmcs.view import runs
+from mmcs.view import runs, waves
 
 
 def packed(value) -> str:
@@ -49,8 +53,8 @@ def a_record(path):
         yield key, found if isinstance(found, tuple) else sorted(found.files)
     yield [told(record.parse, path, value) for value in ([], {}, None)]
     yield [told(getattr, record.parse(path, whole), name) for name in ("hash", "nothing")]
-    log, report = (path / "a" / name for name in ("log.csv", "report.json"))
-    lines, text = log.read_text().splitlines(keepends=True), json.loads(report.read_text())
+    log, told_of = (path / "a" / name for name in ("log.csv", "report.json"))
+    lines, text = log.read_text().splitlines(keepends=True), json.loads(told_of.read_text())
     free = {key: value for key, value in text.items() if key != "log_crc32"}
     huge = lines[-1].replace(",", ",9e99", 1)
     for data, rows in ((text, lines[:-1]), (free, lines[:1]), (free, lines[:-1]), (free, []),
@@ -58,7 +62,7 @@ def a_record(path):
                        (free | {"scenario": 1}, lines), ({"axes": []}, lines), ([], lines),
                        (free, [*lines, "1,2\n"]), (free, [*lines, huge]),
                        (text, lines)):  # fmt: skip
-        report.write_text(json.dumps(data))
+        told_of.write_text(json.dumps(data))
         log.write_text("".join(rows))
         found = told(runs.read_run, "a")
         yield found if isinstance(found, tuple) else found.log.shape
@@ -77,7 +81,11 @@ def a_setup_file(path):
     yield len(setup_file.source(found))
     yield told(setup_file.source, found | {"source": found["source"][0:0]})
     (path / "b.bin").write_bytes(whole[:-1])
-    yield [call(*words.split()) for words in ("run b.bin", "check a.bin", "check b.bin")]
+    asked = ("run b.bin", "check a.bin", "check b.bin", "check a.bin --set nothing=1",
+             "check a.bin --set clk_hz=9", "run a.bin --set duration=0.02 --out r")  # fmt: skip
+    yield [call(*words.split()) for words in asked]
+    (path / "c.toml").write_text((ROBOTS / "lab500.toml").read_text() + "x = 1\n")
+    yield told(load_robot, str(path / "c.toml"))
 
 
 def ends(_):
@@ -111,6 +119,19 @@ def ends(_):
         link = Recorder(answer, None)
         Advisor._give_back(one, link, {"lender": "7"})
         seen.append(link.calls)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(waves, "subprocess", Of(Popen=asked, DEVNULL=-3))
+        patch.setattr(waves, "echo", asked)
+        displays = ("DISPLAY", "WAYLAND_DISPLAY", "")
+        for there, display in itertools.product(("gtkwave", "surfer", ""), displays):
+            patch.setattr(waves, "shutil", Of(which=lambda name, there=there: name == there))
+            patch.setattr(waves, "os", Of(environ={display: "0"}))
+            waves.open_viewer(Path("a.fst"))
+    current, modes = np.array([0, 299, -300, 2046, -2047, 2048]), ("off", "torque")
+    for ilim, ilimax, mode in itertools.product((0, 300, 2047, 3000), (0, 9), modes):
+        param = {"ilim": ilim, "ilimax": ilimax, "mode": mode}
+        seen.append(report.limited(current, param).astype(int).tolist())
+    seen += [wilson(*one) for one in ((0, 0), (0, 9), (9, 9), (1, 100), (99, 100))]
     return asked.calls, locale.calls, seen
 
 
