@@ -115,15 +115,6 @@ def test_states_and_registers_have_names():
     assert len(names) == 6 + 16 * 17
 
 
-def test_without_display_the_commands_are_printed(tmp_path, monkeypatch, capsys):
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
-        monkeypatch.delenv(name, raising=False)
-    waves.open_viewer(tmp_path / "run.fst")
-    out = capsys.readouterr().out
-    assert f"gtkwave {tmp_path}/run.fst {tmp_path}/run.gtkw" in out
-    assert f"surfer -c {tmp_path}/run.sucl {tmp_path}/run.fst" in out
-
-
 def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):
     """A host that takes no interrupt for 8 ms: SCLOCKs come while the latch is set."""
     stall = 'event=[{at=0.005, input="host_stall", value=8}]'
