@@ -205,6 +205,7 @@ def test_no_way_out_of_the_folder_of_results(mmcs, tmp_path):
         path = tmp_path / name
         path.write_text(GOOD)
         one_clear_line(mmcs("run", path), "is no name for results; rename the file")
+    one_clear_line(mmcs("run", "lab500", "--out", "/proc"), start="/proc: cannot be written: ")
     assert [p.name for p in tmp_path.iterdir() if p.is_dir()] == []
 
 

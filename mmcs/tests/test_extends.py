@@ -52,20 +52,6 @@ def test_paths_count_from_the_file_they_stand_in(tmp_path):
     assert len(setup.segments) == 1 and setup.axes == 1
 
 
-@pytest.mark.parametrize(("text", "told"), [
-    ('extends = "lab50"', 'extends = "lab50": no such scenario; did you mean "lab500"?'),
-    ('extends = "x/y.toml"', 'extends = "x/y.toml": no such scenario file'),
-    ("extends = 3", "extends = 3: must be the name of a scenario, or the path of one from this"),
-    ('extends = "./mine.toml"', 'extends = "./mine.toml": extends itself, at last'),
-    ('extends = "./other.toml"', 'extends = "./mine.toml": extends itself, at last'),
-])  # fmt: skip
-def test_mistake(tmp_path, text, told):
-    write(tmp_path, mine=text, other='extends = "./mine.toml"')
-    with pytest.raises(InputError, match=r"^[^\n]*toml: ") as caught:
-        load(str(tmp_path / "mine.toml"))
-    assert told in str(caught.value)
-
-
 def test_files_that_extend_each_other_without_end(mmcs, tmp_path):
     for n in range(1200):
         (tmp_path / f"{n}.toml").write_text(f'extends = "./{n + 1}.toml"\n')

@@ -179,43 +179,6 @@ def test_scenario_mistake(mmcs, scenario, case):
         one_clear_line(mmcs(command, path), start=f"{path}: {line(expected)}")
 
 
-def test_check_explains_every_mistake_and_run_the_first(mmcs, scenario):
-    path = scenario(top("cards = 0") + "colour = 1\n")
-    expected = [
-        f"mmcs: {path}: motion.0.colour: unknown key; allowed: axis, at, unit, kind, to",
-        f"mmcs: {path}: cards = 0: must be at least 1",
-    ]
-    status, _, err = mmcs("check", path)
-    assert (status, err.splitlines()) == (2, expected)
-    status, _, err = mmcs("run", path)
-    assert (status, err.splitlines()) == (2, expected[:1])
-
-
-CSV = {
-    b"\xff\xfe\x00": "is not UTF-8 text (byte 0)",
-    b"1\nnan\n2\n": "line 2 leaves the 32-bit range of setpoints",
-    b"inf\n2\n": "line 1 leaves the 32-bit range of setpoints",
-    b"1\n5e9\n": "line 2 leaves the 32-bit range of setpoints",
-    b"1\n\n\nx\n": "line 4 has no number in that column",
-    b"a\n1\n2\n": 'line 1 has no number in that column; of a table with headings, name a "column"',
-    b"": "must hold at least two numbers",
-}
-
-
-@pytest.mark.parametrize("content", CSV)
-def test_table_mistake(mmcs, scenario, content):
-    path = scenario(TABLE)
-    (path.parent / "t.csv").write_bytes(content)
-    told = f'{path}: motion.0.file = "t.csv": {CSV[content]}\n'
-    one_clear_line(mmcs("check", path), start=told)
-
-
-def test_table_with_a_byte_order_mark_and_carriage_returns(mmcs, scenario):
-    path = scenario(TABLE.replace("[[motion]]", '[[motion]]\ncolumn = "a"'))
-    (path.parent / "t.csv").write_bytes(b"\xef\xbb\xbfa,b\r\n1,2\r\n\r\n3,4\r\n")
-    assert mmcs("check", path)[0] == 0
-
-
 # --- robot files -------------------------------------------------------------------------------
 
 OWN = GOOD.replace('"lab500"', '"own.toml"')
@@ -318,85 +281,6 @@ def test_friction_of_a_robot_file_is_that_of_sweeps(scenario):
     text = GOOD + "\n[[motor]]\nfriction = 0.3\nstiction_neg = 0.4\n"
     motor = load(str(scenario(text))).motors()[0]
     assert (motor["stiction_pos"], motor["stiction_neg"]) == (0.3, 0.4)
-
-
-# --- the command line --------------------------------------------------------------------------
-
-LAB500 = "sim/scenarios/basic/lab500.toml"
-FAR = "mmcs design: a number is out of all proportion"
-OPTIONS = {  # words between single spaces
-    "fly": "No such command 'fly'.",
-    "run": "Missing argument 'SCENARIO'.",
-    "run lab500 --fast": "No such option '--fast'. ",
-    "run lab50": '"lab50": no such scenario; did you mean "lab500"?',
-    "run ./nowhere.toml": "./nowhere.toml: no such scenario file",
-    f"run {'a' * 300}": f'"{"a" * 300}": no such scenario; see `mmcs list`',
-    f"show {'a' * 300}.toml": f"{'a' * 300}.toml: no such scenario file",
-    "run lab500 --host vax": '--host = "vax": must be one of "native", "m68020"',
-    "run lab500 --trace x.vcd": '--trace = "x.vcd": must be a file name ending in .fst',
-    "export mcap lab500 --out run.mmcs": '--out = "run.mmcs": must end in .mcap',
-    "export fmu lab500 --out x.zip": '--out = "x.zip": must end in .fmu',
-    "run lab500 --set cards": "--set: cards: must be key=value, like servo.0.ilim=500",
-    "run lab500 --set motion.7.to=1": '--set: motion.7.to=1: "7" must be an entry number: 0 to 0',
-    "check lab500 --set motion.².to=1": '--set: motion.².to=1: "²" must be an entry number: 0 to 0',
-    "run lab500 --set cards.x=1": '--set: cards.x=1: "cards" is a value and has no keys',
-    "run lab500 --set cards=99": f"{LAB500}: cards = 99: must be at most 16",
-    f"check lab500 --set cards={'[' * 3000}": "--set: cards: nests deeper than 10 levels",
-    "run lab500 --set axis.0.ilim=5 --set axis.0.b0=0": "--set: axis.0.b0 = 0: must not be 0: "
-    "it divides the compensator's output",
-    "run lab500 --set robot.axis.all.km=-1": "--set: robot.axis.all.km = -1: "
-    "must be at least 1e-12",
-    "run lab500 --duration -1": f"{LAB500}: duration = -1.0: must be more than 0",
-    "run lab500 --duration long": "Invalid value for '--duration': 'long' is not a valid float.",
-    "run lab500 --seed -1": f"{LAB500}: seed = -1: must be at least 0",
-    "run lab500 --seed 1\n2": "Invalid value for '--seed': ",
-    "run lab500 --out /proc": "/proc: cannot be written: ",
-    "design --wn nan": FAR,
-    "design --wn 1e300": FAR,
-    "design -d 1e308": FAR,
-    "design -d 1 --tau 1e308": FAR,
-    "faults nosuch": 'PATTERN = "nosuch": no input or register has it in its name',
-}
-
-
-@pytest.mark.filterwarnings("error::RuntimeWarning")  # people would read of it, too
-@pytest.mark.parametrize("words", OPTIONS)
-def test_option_mistake(mmcs, words):
-    one_clear_line(mmcs(*words.split(" ")), start=line(OPTIONS[words]))
-
-
-LONG = "9" * 5000
-ENDLESS = [  # cut in what is told
-    f"campaign --seed {LONG}", f"run lab500 {LONG}", f"check lab500 --set {'a.' * 900}a=1",
-    f"sweep lab500 --grid axis.0.b0={LONG}", f"sweep lab500 --grid axis.0.b0=1..{LONG}",
-    f"sweep lab500 --grid axis.0.b0=1..9:{LONG}", "sweep lab500 --grid axis.0.b0=1e999..2",
-    f"sweep lab500 --random axis.0.b0={LONG}..2", f"sweep lab500 --grid axis.0.b0={'[' * 5000}",
-    f"sweep lab500 --set axis.0.b0={LONG} --grid axis.0.b0=1,2",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("words", ENDLESS, ids=range(len(ENDLESS)))
-def test_words_without_end_are_cut(mmcs, words):
-    answer = mmcs(*words.split(" "))
-    one_clear_line(answer)
-    assert len(answer[2]) < 400
-
-
-def test_out_folder_that_cannot_be_made(mmcs, tmp_path):
-    (tmp_path / "file").write_text("")
-    answer = mmcs("run", "lab500", "--out", tmp_path / "file" / "out")
-    one_clear_line(answer, start=f"{tmp_path}/file/out: cannot be made: Not a directory\n")
-
-
-@pytest.mark.parametrize(("name", "command"), [
-    ("report.json", "run lab500 --out {}"), ("log.csv", "run lab500 --out {}"),
-    ("plot.svg", "run lab500 --out {}"), ("x.fst", "run lab500 --out {} --trace {}/x.fst"),
-    ("x.fmu", "export fmu lab500 --out {}/x.fmu"),
-])  # fmt: skip
-def test_result_that_is_a_folder_is_told_before_the_run(mmcs, tmp_path, name, command):
-    (tmp_path / name).mkdir()
-    answer = mmcs(*command.replace("{}", str(tmp_path)).split())
-    one_clear_line(answer, start=f"{tmp_path}/{name}: is a folder, and the name of a result\n")
 
 
 def test_help_cuts_no_text_and_has_an_example_of_each_command(mmcs):

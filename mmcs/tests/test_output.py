@@ -7,6 +7,7 @@ import itertools
 import math
 import pprint
 import shlex
+import zlib
 from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,8 +26,9 @@ from mmcs.scenario.identify import IdentifyError, Motor, frequency, identify
 from mmcs.scenario.load import load, load_robot
 from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
-from mmcs.sweeps import campaign, campaign_report, classes, faults
+from mmcs.sweeps import campaign, campaign_report, classes, faults, workers
 from mmcs.tests.conftest import call
+from mmcs.tests.inputs import FIGURES, MISTAKES
 from mmcs.tests.insides import INSIDES
 from mmcs.tests.refusals import REFUSALS
 from mmcs.tests.talks import TALKS
@@ -117,19 +119,36 @@ SESSIONS = {
         "'motion=[{kind=\"table\",axis=0,file=\"x.csv\"}]'")],
     "mctool": ["tool --no-browser no_such_scenario", "tool --attach nobody", "tool -t -5",
              "tool --theme 2089", "tool --attach a/b", "tool lab500 --sheets nowhere"],
+    **MISTAKES,
 }  # fmt: skip
 NOT_TOLD = (".bin", ".fst", ".jsonl", ".toml", ".txt")
 
 
+def put(path, content):
+    """A file, of None a folder."""
+    path.parent.mkdir(exist_ok=True)
+    if content is None:
+        return path.mkdir()
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+@pytest.mark.req("DRV-3")
+@pytest.mark.filterwarnings("error::RuntimeWarning")  # people would read of it, too
 @pytest.mark.parametrize("session", SESSIONS)
 def test_what_commands_print_and_write(session, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setattr(workers, "CONNECT_S", 1)
     answers = []
     for words in SESSIONS[session]:
+        if isinstance(words, tuple):
+            put(tmp_path / words[0], words[1])
+            continue
         status, out, err = call(*shlex.split(words))
-        answers.append(plain(f"$ mmcs {words}\n{out}{err}status {status}\n", tmp_path))
+        answers.append(plain(f"$ mmcs {words[:200]}\n{out}{err}status {status}\n", tmp_path))
+    if session in MISTAKES:  # which leave nothing
+        answers.append(", ".join(sorted(path.name for path in tmp_path.iterdir())))
     same(session, "".join(answers))
     for path in sorted(p for p in tmp_path.rglob("*.*") if p.is_file()):
         if path.suffix not in NOT_TOLD:
@@ -192,6 +211,7 @@ def a_campaign():
     seen = itertools.product((False, True), (None, 0.1), (9.9, 10.0, 10.1), (10.0, 10.1))
     return [
         [plan.fault(n) for n in places], [plan.command(n) for n in places],
+        zlib.crc32(repr([plan.fault(n) for n in range(40_000)]).encode()),
         [faults.line_name(name) for name in names], [n for n, _ in plan.chunks([*range(200)])],
         [classes.judge(classes.Seen(*one)) for one in seen],
         [campaign_report.per_million(k, n) for k, n in ((0, 0), (0, 10), (3, 700), (10, 10))],
@@ -294,6 +314,7 @@ VALUES = {
     "stimulus": lambda _: [list(lockstep.lively(7, 3, 6, lockstep.stranger(7, 3, 6, 2000, UPSETS))),
                            list(itertools.islice(lockstep.runs(7), 12)),
                            shrink.shrunk([*range(20)], lambda some: {3, 11} <= set(some))],
+    **FIGURES,
     **TALKS,
     **INSIDES,
     **REFUSALS,

@@ -19,7 +19,7 @@ from mmcs import ROOT
 from mmcs.errors import RunError
 from mmcs.scenario.load import load
 from mmcs.sweeps import workers as sweep_run
-from mmcs.sweeps.plan import make_plan, parse_grid, parse_random
+from mmcs.sweeps.plan import make_plan
 from mmcs.sweeps.store import Store
 from mmcs.tests.conftest import GOOD, call, cluster, good, one_clear_line
 
@@ -30,101 +30,6 @@ GAINS = ("--grid", "axis.0.b0=80,100", "--random", "seed=1..1000", "--samples", 
 def rows_of(folder):
     with (folder / "table.csv").open(newline="") as file:
         return list(csv.DictReader(file))
-
-
-@pytest.mark.parametrize(("text", "values"), [
-    ("k=1,2,3", (1, 2, 3)),
-    ("k=[1,2],[3,4]", ([1, 2], [3, 4])),
-    ("k=off, position", ("off", "position")),
-    ("k=true", (True,)),
-    ("k=a/../b.csv,../c.csv", ("a/../b.csv", "../c.csv")),
-    ("k=-2..2", (-2, -1, 0, 1, 2)),
-    ("k=0.5..1.5:5", (0.5, 0.75, 1.0, 1.25, 1.5)),
-    ("k=10..20:3", (10, 15, 20)),
-    ("k=1..1000:log4", (1, 10, 100, 1000)),
-    ("k=1e-3..0.1:log3", (1e-3, 0.01, 0.1)),
-])  # fmt: skip
-def test_grid_values(text, values):
-    found = parse_grid(text).values
-    assert len(found) == len(values)
-    for a, b in zip(found, values, strict=True):
-        assert a == (pytest.approx(b) if isinstance(b, float) else b) and type(a) is type(b)
-
-
-def test_draws_fill_their_range_and_depend_on_seed_key_and_sample_alone():
-    whole = [parse_random("k=1..6").draw(1, n) for n in range(3000)]
-    assert set(whole) == set(range(1, 7))
-    assert all(400 < whole.count(v) < 600 for v in range(1, 7))
-    assert whole[:50] == [parse_random("k=1..6").draw(1, n) for n in range(50)]
-    assert whole[:50] != [parse_random("other=1..6").draw(1, n) for n in range(50)]
-    assert whole[:50] != [parse_random("k=1..6").draw(2, n) for n in range(50)]
-    real = [parse_random("k=-1.0..3.0").draw(1, n) for n in range(2000)]
-    assert all(isinstance(v, float) and -1 <= v < 3 for v in real)
-    assert sum(real) / 2000 == pytest.approx(1, abs=0.1)
-    decades = [parse_random("k=1.0..1000.0:log").draw(1, n) for n in range(2000)]
-    assert sum(v < 10 for v in decades) == pytest.approx(667, abs=80)
-    assert {parse_random("k=a,b").draw(1, n) for n in range(50)} == {"a", "b"}
-
-
-def test_rows_are_every_grid_point_with_the_same_draws(scenario):
-    path = str(scenario(SHORT))
-    plan = make_plan(path, ("axis.0.b0=1,2", "axis.0.a1=3,4,5"), ("seed=1..99",), 4, 7)
-    assert len(plan) == 24
-    rows = [plan.values(n) for n in range(24)]
-    assert [tuple(r.values())[:2] for r in rows[:6]] == [(b, a) for b in (1, 2) for a in (3, 4, 5)]
-    for sample in range(4):
-        assert len({r["seed"] for r in rows[6 * sample : 6 * sample + 6]}) == 1
-    assert len({r["seed"] for r in rows}) > 1
-    more = make_plan(path, ("axis.0.b0=1,2", "axis.0.a1=3,4,5"), ("seed=1..99",), 9, 7)
-    assert [more.values(n) for n in range(24)] == rows  # more samples: the same and further ones
-    setup = plan.setup(rows[5])
-    assert (setup.params[0]["b0"], setup.params[0]["a1"]) == (2 - (rows[5]["axis.0.b0"] == 1), 5)
-    assert setup.scenario.seed == rows[5]["seed"]
-    assert setup.scenario.skip  # not said by the scenario
-    assert not make_plan(path, ("seed=1",), (), None, 1, ("skip=false",)).first().scenario.skip
-
-
-MISTAKES = {
-    "nothing": ([], "mmcs sweep: nothing to vary: give --grid axis.0.b0=80,90,100 or --random"),
-    "no value": (["--grid", "cards"], "--grid: cards: must be key=value, like axis.0.b0=80,90,100"),
-    "empty value": (["--grid", "axis.0.b0=1,,2"], "--grid: axis.0.b0: has an empty value"),
-    "unknown key": (["--grid", "carts=1,2"], 'carts: unknown key; did you mean "cards"?'),
-    "unknown gain": (["--grid", "axis.0.c0=1,2"], "--grid: axis.0.c0: no such servo parameter"),
-    "of the motor": (["--random", "axis.0.gear=1..2"], '; did you mean "robot.axis.0.gear"?'),
-    "bad value": (["--grid", "axis.0.b0=100,0"], "--grid: axis.0.b0 = 0: must not be 0"),
-    "bad word": (["--grid", "axis.0.b0=100,x"], '--grid: axis.0.b0 = "x": must be a whole'),
-    "bad axis": (["--random", "axis.5.b0=1..9"], "--random: axis.5.b0: robot "),
-    "unknown of a motor": (["--grid", "robot.axis.0.inertai=1,2"], 'did you mean "inertia"?'),
-    "bad motor": (["--grid", "robot.axis.0.gear=1,0"], "[[motor]]: axis.0.gear = 0.0: must not"),
-    "bad end": (["--random", "axis.0.ilim=-5..9"], "--random: axis.0.ilim = -5: must be at"),
-    "upside down": (["--random", "seed=9..1"], "must be LOW..HIGH with low <= high"),
-    "no number": (["--random", "seed=a..b"], "needs a number on each side of .."),
-    "log of 0": (["--random", "seed=0..9:log"], "both ends must be above 0"),
-    "count drawn": (["--random", "seed=0..9:3"], "how many are drawn is for --samples to say"),
-    "no count": (
-        ["--grid", "host.latency_max_us=0.0..9.0"],
-        "say how many values, like 0.0..9.0:5",
-    ),
-    "too many": (["--grid", "seed=1..2000000"], "must make 1 to 1000000 values"),
-    "product": (["--grid", "seed=1..2000", "--grid", "axis.0.a0=1..2000"], "makes 4000000 runs"),
-    "twice": (["--grid", "seed=1,2", "--random", "seed=1..2"], "seed: is varied twice"),
-    "samples": (["--grid", "seed=1,2", "--samples", "3"], "--samples = 3: needs --random"),
-    "no samples": (["--random", "seed=1..2", "--samples", "0"], "must be at least 1"),
-    "workers": (["--grid", "seed=1,2", "--workers", "0"], "--workers = 0: must be 1 to 256"),
-    "both": (["--grid", "seed=1,2", "--workers", "1", "--dask", "x"], "not with --dask"),
-    "nobody": (["--grid", "seed=1,2", "--dask", "tcp://127.0.0.1:9"], "no scheduler answers"),
-    "address": (["--grid", "seed=1,2", "--dask", "nonsense://x"], "no scheduler answers"),
-    "no earlier": (["--grid", "seed=1,2", "--resume"], "holds no sweep to go on with"),
-}
-
-
-@pytest.mark.parametrize("case", MISTAKES.values(), ids=MISTAKES.keys())
-def test_mistake(mmcs, scenario, tmp_path, case, monkeypatch):
-    monkeypatch.setattr(sweep_run, "CONNECT_S", 1)
-    arguments, expected = case
-    answer = mmcs("sweep", scenario(SHORT), "--out", tmp_path / "out", *arguments)
-    one_clear_line(answer, expected)
-    assert not (tmp_path / "out").exists()
 
 
 # --- how it is run -----------------------------------------------------------------------------

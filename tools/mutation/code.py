@@ -32,7 +32,7 @@ SUITES = {
     "sim/plant/*.cpp": "sim/tests/plant/test_plant.py",
     "sim/service/configure.cpp": "sim/tests/service/test_service.py",
     "sim/service/script.cpp": "sim/tests/service/test_service.py",
-    "mmcs/runs/metrics.py": "mmcs/tests/test_metrics.py",
+    "mmcs/runs/metrics.py": "mmcs/tests/test_output.py::test_what_functions_return[responses]",
     "mmcs/runs/expect.py": "mmcs/tests/test_session.py",
     "mmcs/device/sockets.py": "mmcs/tests/test_serve.py::"
     "test_a_folder_that_is_not_ours_alone_is_refused",
