@@ -2,20 +2,40 @@
 """Inputs of the digests: mistakes of a user, figures of small functions (test_output.py)."""
 
 import itertools
+import re
+import sys
 import zlib
+from pathlib import Path
+from types import SimpleNamespace as Of
 
 import numpy as np
+import pytest
 
+import mmcs
+from mmcs import SCENARIOS, mcdef, place
+from mmcs.engine.script import Script
+from mmcs.runs import session
+from mmcs.runs.expect import judge
+from mmcs.runs.machine import machine
 from mmcs.runs.metrics import steady_error, step_response
-from mmcs.runs.report import limited
+from mmcs.runs.report import limited, make_report
+from mmcs.runs.runner import simulate
+from mmcs.scenario import synthesis
+from mmcs.scenario.load import load, load_robot
+from mmcs.scenario.robot import with_values
+from mmcs.scenario.scenario import EventExpect, RefusedExpect
 from mmcs.sweeps.plan import make_plan, parse_grid, parse_random
 from mmcs.tests.conftest import GOOD
-from mmcs.tests.test_mistakes import TABLE, top
+from mmcs.tests.insides import told
+from mmcs.tests.test_mistakes import FLEXIBLE, ROBOT, TABLE, top
 
 LONG = "9" * 5000
 CSV = (b"\xff\xfe\x00", b"1\nnan\n2\n", b"inf\n2\n", b"1\n5e9\n", b"1\n\n\nx\n", b"a\n1\n2\n", b"",
        b"1\n2\n")  # fmt: skip
 EXTENDS = ('"lab50"', '"x/y.toml"', "3", '"./mine.toml"', '"./other.toml"')
+RECORDS = ("", "{}", '{"mmcs_run": 1}', '{"mmcs_run": 99}', "[1, 2")
+PROGRAMS = ('"\'"', '" "', '"\'"\n[[program]]\nrun = "./no 3"',
+            '"true"\n[[motion]]\nkind = "step"\naxis = 0\nat = 0.1\nto = 5')  # fmt: skip
 # As SESSIONS of test_output.py; (name, text) is a file, of None a folder.
 MISTAKES = {
     "mistaken": [
@@ -42,6 +62,15 @@ MISTAKES = {
         "export fmu lab500 --out x.fmu",
         ("other.toml", 'extends = "./mine.toml"'), *itertools.chain(*(
             (("mine.toml", f"extends = {name}"), "check mine.toml") for name in EXTENDS)),
+        *itertools.chain(*((("bad.mmcs", text), "replay bad.mmcs", "trace bad.mmcs --at 0.1")
+                           for text in RECORDS)), "replay nowhere",
+        *itertools.chain(*((("mine.toml", f'extends="lab500"\n[[program]]\nrun={one}'),
+                            "check mine.toml") for one in PROGRAMS)),
+        ("own.toml", ROBOT), ("mine.toml", GOOD.replace("lab500", "./own.toml")),
+        "check mine.toml",
+        "run puma560 --set 'expect=[{kind=\"axis\",axis=[0,1],final_counts=[[1,2]]}]'",
+        ("own.toml", ROBOT.replace("gear", "servo.ilim = 20\nservo.ic_pos = 2000\ngear")),
+        "check own.toml",
     ],
     "sweeps refused": [
         ("short.toml", GOOD), *(f"sweep short.toml --out out {more}" for more in (
@@ -94,9 +123,9 @@ def responses(_):
         y[: max(first - 1, 0)] = 40
         y[first - 1 : first] = before
         made.append(step_response(T, y, T[first], 0, 100))
-    for samples, place in itertools.product(range(300, 320), (-21, -20, -1)):
+    for samples, where in itertools.product(range(300, 320), (-21, -20, -1)):
         y = np.full(samples, 200.0)
-        y[place] -= 100
+        y[where] -= 100
         made.append(float(steady_error(T[:samples] - 0.05, np.full(samples, 200.0), y)))
     for axis in {}, {"ilim": 0}, {"mode": "off"}, {"ilimax": 1}, {"ilim": 9999}:
         params = {"mode": "torque", "ilim": 50, "ilimax": 0} | axis
@@ -104,4 +133,165 @@ def responses(_):
     return made
 
 
-FIGURES = {"plans": a_plan, "responses": responses}
+RISE = 'expect=[{kind="axis",rise_ms=[%s],final_counts=[190,210]},{kind="stats",missed=0}]'
+PEAK, TWO = ('expect=[{kind="axis",peak_error_counts=[190,210]}]',
+             'expect=[{kind="axis",axis=[0,1],final_counts=%s}]')  # fmt: skip
+MOVE = "duration=0.3", 'motion=[{axis=0,kind="step",at=0.05,to=200}]'
+RUNS = (("lab500", RISE % "40,50"), ("lab500", RISE % "1,2"),
+        ("lab500", RISE % "40,50", "axis.0.ilim=50"), ("lab500", PEAK, "motion.0.to=-200"),
+        ("puma560", TWO % "[[190,210],[-9,9]]", *MOVE),
+        ("puma560", TWO % "[[0,0],[190,210]]", *MOVE))  # fmt: skip
+
+
+def verdicts(_):
+    """(events that were seen, or not, or nobody knows; refusals of which one is expected; runs
+    whose begin is refused; periods of processes)"""
+
+    def judged(notes=(), lost=0, refused=(), **entry):
+        event = {"kind": "event", "event": "panic"} | entry
+        kind = RefusedExpect(**entry) if "request" in entry else EventExpect(**event)
+        of = Of(scenario=Of(expect=[kind]))
+        more = {"motion_start_s": 0.1, "assertion": False, "ended": "", "refused": refused}
+        return judge(Of(setup=of, notes=notes, notes_lost=lost, **more), [])
+
+    note = {"t": 0.2, "kind": "panic", "axis": -1, "text": "button"}
+    either = {"event": ["error", "panic"]}
+    made = [judged([note], seen=seen, **more) for seen in (True, False) for more in (
+        {}, {"within_ms": 101.0}, {"within_ms": 99.0}, {"after": 0.2}, {"text": "cable"},
+        {"axis": 0}, either, either | {"text": "cable"})]  # fmt: skip
+    made += [judged([note], lost, event="error", seen=seen, **more) for lost in (0, 7)
+             for seen in (True, False) for more in ({}, {"within_ms": 99.0})]  # fmt: skip
+    for size in 98, 99:
+        made.append(judged([note | {"text": size * "x"}], text="needle", seen=False))
+    refused = {"kind": "refused", "request": "MENABLE", "error": "EIO"}
+    made += [judged([], 0, n * [("MENABLE", 5)], **refused)
+             for n in range(3)]  # fmt: skip
+    for name, *sets in RUNS:
+        one = simulate(load(name, tuple(sets)))
+        made.append(make_report(one, "native")["expect"])
+    ends = (-6, "open"), (-22, "MSETNUMJOINTS 1"), (-22, "MSETPARAM of axis 0"), (-5, "MENABLE")
+    with pytest.MonkeyPatch.context() as patch:
+        for end in ends:
+            patch.setattr(Script, "begin", lambda *_, end=end: end)
+            made.append(told(simulate, load("lab500")))
+    script = Of(told=lambda: [(2, 0, 990.04, 1010.06), (0, 0, 0.0, 0.0)])
+    made.append(session.summaries(script, Of(scenario=Of(process=2 * [Of(kind="pd")]))))
+    degrees = 'motion=[{axis=0, kind="step", at=0.05, to=1, unit="deg"}]'
+    return made, load("puma560", (degrees, "expect=[]")).segments
+
+
+NAN = float("nan")
+ASKS = (
+    lambda run: mmcs.load("lab500", ()), lambda run: mmcs.run("lab500", b"seed=1"),
+    lambda run: mmcs.load("lab500", sets=()), lambda run: mmcs.compare(run, "lab500"),
+    lambda run: mmcs.compare(run, mmcs.run("puma560", "motion=[]")),
+    lambda run: run.column(-1, "encoder"), lambda run: run.column(NAN, "encoder"),
+    lambda run: run.column(0, "speed"), lambda run: run.plot(None),
+    lambda run: run.plot("/dev/full"), lambda run: run.plot("a\0b"),
+    lambda run: mmcs.sweep("lab500", grid={"seed": 1}),
+    lambda run: mmcs.sweep("lab500", random="seed"),
+    lambda run: mmcs.sweep("lab500", random={"seed": "1..5"}, samples=NAN),
+    lambda run: mmcs.sweep("lab500", random={"seed": "1..5"}, samples=10**30),
+    lambda run: mmcs.sweep("lab500", grid={"seed": [1]}, workers=-1),
+    lambda run: mmcs.Machine("lab500", mode="fast"),
+    lambda run: mmcs.run(mmcs.load("lab500"), seed=3),
+)  # fmt: skip
+
+
+def library(_):
+    """What the names of `mmcs` refuse, and a machine that is stopped or closed."""
+    run = mmcs.run("lab500")
+    made = [told(ask, run) for ask in ASKS]
+    with mmcs.Machine("lab500", mode="torque") as one:
+        for given in "x", None, NAN, [NAN], 10**30, 1 << 31, [[1], [2]], object, {}:
+            made.append(told(one.write, given))
+        for given in -1, 99, None, "x", 1.5, NAN, 10**30, ():
+            asks = one.joint, one.restore, *([] if given == 99 else [one.wait])
+            made += [told(ask, given) for ask in asks]
+        one.step(300, 20)
+        made.append(one.read())
+        one.stop()
+        made += [one.enabled, told(one.write, [1])]
+        one.enable()
+        made += [told(one.write, [1, 2, 3]), told(one.wait, 0)]
+    one.close()
+    return made, [told(ask) for ask in (
+        one.read, one.wait, one.stop, one.save, one.frame, lambda: one.write([0]),
+        lambda: one.time, lambda: one.log)]  # fmt: skip
+
+
+def robots(path):
+    """(motors of robot files, copies, motors of a scenario's own)"""
+    axis, made = "[[axis]]", []
+    four = re.findall(r"^(?:coulomb|stiction).*\n", ROBOT, re.M)
+    every = f"[every_axis]\nfriction = 0.2\nkm = 7.0\n{axis}"
+    for text in (FLEXIBLE, ROBOT, ROBOT.replace("".join(four), "friction = 0.1\n"),
+                 ROBOT.replace(axis, f"{axis}\nfriction = 0.2"),
+                 ROBOT.replace(axis, every)):  # fmt: skip
+        (path / "own.toml").write_text(text)
+        robot = load_robot(str(path / "own.toml"))[1]
+        made += [robot.motors(coupled) for coupled in (False, True)]
+    copies = {"axis": [{"copies": 2, "name": "J"}, {"name": "K"}]}
+    made.append(with_values(copies, [{"axis": [1], "km": 2.0}]))
+    return made, load("lab500", ("motor=[{friction=0.3, stiction_neg=0.4}]",)).motors()
+
+
+def places(path):
+    """(where results are, the commands that install packages)"""
+    made = [
+        str(place.results(*one))
+        for one in (
+            ("runs", SCENARIOS / "basic" / "lab500.toml"),
+            ("runs", path / "my.toml"),
+            ("sweeps",),
+        )
+    ]
+    made += map(place.installs, ("tool", "hosts"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(place, "IN_CHECKOUT", False)
+        patch.setattr(sys, "executable", "python")
+        for pip in (True, False):
+            patch.setattr(place, "find_spec", lambda name, pip=pip: pip and name == "pip")
+            made += map(place.installs, ("tool", "hosts", "dask"))
+        patch.setattr(sys, "prefix", str(path))
+        (path / "pipx_metadata.json").touch()
+        made.append(place.installs("dask"))
+    return [re.sub(r"==\S+", "==", one) for one in made]
+
+
+def integers(_):
+    """Integer gains, and what is said of them."""
+    made = []
+    for gains, method, *scale in (
+        ((4, 30, 0.1), "bilinear"), ((4, 30, 0.1), "backward"), ((4, 3, 0.1), "backward", 64),
+        ((2.0**31,), "backward"), ((40000.0,), "backward"),
+    ):  # fmt: skip
+        discrete = synthesis.discretize(synthesis.Controller(*gains), method, 1e-3)
+        made.append(told(synthesis.to_integers, discrete, *scale))
+    for num, den in ((1.0,) * 4, (1.0,)), ((1.0,), (2.0,)), ((1.0,), (1.0, 0.95)):
+        made.append(told(synthesis.to_integers, synthesis.Discrete(num, den)))
+    return made
+
+
+def by_hand(_):
+    """(what the wrapper of the library says and refuses, words of the driver's structures)"""
+    setup, values = load("lab500"), {"flags": ["softerr"], "a0": 50, "b0": -1}
+    with machine(setup) as sim:
+        made = [sim.build(), sim.time, sim.clock, told(sim.trace, Path("x.fst")),
+                told(sim.add_segment, axis=7, kind="step", t0=0.0, to=1.0), told(sim.drop, 9),
+                told(machine, setup, library=Path("none.so"))]  # fmt: skip
+    param, ffi = mcdef.new_param(3), mcdef.make_ffi()
+    mcdef.fill_param(param, {"mode": "velocity"} | values)
+    again = mcdef.new_params([{"mode": "torque"} | values])[0]
+    words = ffi.cast("int *", ffi.addressof(again))
+    for word, mask, value in mcdef.sets({"mode": "velocity"}) + mcdef.sets({"a0": 51}):
+        words[word] = words[word] & ~mask | value & mask
+    made += [[getattr(one, name) for name in ("which", "mode", "a0", "b0")]
+             for one in (param, again)]  # fmt: skip
+    made.append(mcdef.mode_word("position", ["coulcomp", "poschk"]))
+    return [*made, told(getattr, mcdef, "MSETNOTHING")]
+
+
+FIGURES = {"plans": a_plan, "responses": responses, "verdicts": verdicts, "library": library,
+           "robots": robots, "places": places, "integers": integers,
+           "by hand": by_hand}  # fmt: skip

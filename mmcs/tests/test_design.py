@@ -100,25 +100,6 @@ def test_rounding_keeps_the_integral(scale):
         assert sum(k.a) == round(sum(d.num) * k.b[0])
 
 
-def test_warnings():
-    ringing = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "bilinear", T))
-    assert any("backward difference" in text for text in ringing.warnings)
-    quiet = ds.to_integers(ds.discretize(ds.Controller(4, 30, 0.1), "backward", T))
-    assert not any("rings" in text for text in quiet.warnings)
-    weak = ds.to_integers(ds.discretize(ds.Controller(4, 3, 0.1), "backward", T), 64)
-    assert any("integral" in text for text in weak.warnings)
-    huge, high = (ds.discretize(ds.Controller(p), "backward", T) for p in (2.0**31, 40000.0))
-    with pytest.raises(ds.DesignError, match="scale = 1: .* exceeds 32 bits; take smaller gains"):
-        ds.to_integers(huge)
-    assert ["overflows 32-bit" in text for text in ds.to_integers(high).warnings] == [True]
-    with pytest.raises(ds.DesignError, match="order 2 at most"):
-        ds.to_integers(ds.Discrete((1.0,) * 4, (1.0,)))
-    with pytest.raises(ds.DesignError, match="den begins with 1"):
-        ds.to_integers(ds.Discrete((1.0,), (2.0,)))
-    (told,) = ds.to_integers(ds.Discrete((1.0,), (1.0, 0.95))).warnings
-    assert told.startswith("pole at z = -0.95: the loop rings")
-
-
 @pytest.mark.parametrize("lag", [0.0, 0.24, 40.0])
 def test_plant_same_as_scipy(lag):
     signal = pytest.importorskip("scipy.signal", reason=EXTRA)

@@ -25,12 +25,6 @@ def lab500():
     return mmcs.run("lab500")
 
 
-@pytest.fixture(scope="module")
-def idle():
-    with mmcs.Machine("lab500") as machine:
-        yield machine
-
-
 def test_a_run_is_that_of_the_command(lab500, tmp_path, mmcs):
     status, *_ = mmcs("run", "lab500", "--out", tmp_path)
     report = json.loads((tmp_path / "report.json").read_text())
@@ -64,75 +58,6 @@ def test_the_machine_waits_for_the_program():
         assert abs(counts - states[-1]) <= 1
         machine.restore(start)
         assert [machine.step([200])["encnow"][0] for _ in range(300)] == states
-
-
-def test_torques_in_and_a_stop():
-    with mmcs.Machine("lab500", mode="torque") as machine:
-        machine.step(300, 20)
-        assert machine.read()["inow"][0] == 300 and machine.read()["vel"][0] > 2
-        machine.stop()
-        assert not machine.enabled
-        with pytest.raises(mmcs.RunError, match="write: EIO: mc: write: stopped, MENABLE first"):
-            machine.write([1])
-        machine.enable()
-        with pytest.raises(mmcs.RunError, match="write: EINVAL: Invalid argument"):
-            machine.write([1, 2, 3])
-        with pytest.raises(mmcs.InputError, match="samples = 0: must be a whole number"):
-            machine.wait(0)
-    with pytest.raises(mmcs.InputError, match="mode"):
-        mmcs.Machine("lab500", mode="fast")
-
-
-KEY_VALUE = "must be key=value, like servo.0.ilim=500"
-NAN = float("nan")
-
-
-@pytest.mark.parametrize(("ask", "told"), [
-    (lambda run: mmcs.load("lab500", ()), f"--set: (): {KEY_VALUE}"),
-    (lambda run: mmcs.run("lab500", b"seed=1"), f"--set: b'seed=1': {KEY_VALUE}"),
-    (lambda run: mmcs.load("lab500", sets=()), "lab500.toml: sets: unknown key"),
-    (lambda run: mmcs.compare(run, "lab500"), 'b = "lab500": must be a run, as run() returns it'),
-    (lambda run: mmcs.compare(run, mmcs.run("puma560", "motion=[]")), "6 axes"),
-    (lambda run: run.column(-1, "encoder"), "axis = -1: must be a whole number from 0 to 0"),
-    (lambda run: run.column(NAN, "encoder"), "axis = nan: must be a whole number from 0 to 0"),
-    (lambda run: run.column(0, "speed"), 'column = "speed": must be one of setpoint, encoder'),
-    (lambda run: run.plot(None), "path: must be the name of a file"),
-    (lambda run: run.plot("/dev/full"), "/dev/full: cannot be the name of a result"),
-    (lambda run: run.plot("a\0b"), "cannot be the name of a result: give that of a file"),
-    (lambda run: mmcs.sweep("lab500", grid={"seed": 1}), "{seed = 1}: must be values by"),
-    (lambda run: mmcs.sweep("lab500", random="seed"), 'random = "seed": must be values by key'),
-    (lambda run: mmcs.sweep("lab500", random={"seed": "1..5"}, samples=NAN), "= nan: must"),
-    (lambda run: mmcs.sweep("lab500", random={"seed": "1..5"}, samples=10**30), "from 1 to 1"),
-    (lambda run: mmcs.sweep("lab500", grid={"seed": [1]}, workers=-1), "workers = -1: must be"),
-])  # fmt: skip
-def test_what_is_no_input_is_one_sentence(lab500, ask, told):
-    with pytest.raises(mmcs.InputError) as refused:
-        ask(lab500)
-    assert told in str(refused.value) and "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize("given", [
-    "x", None, NAN, [NAN], 10**30, 1 << 31, [[1], [2]], object(), {}])  # fmt: skip
-def test_setpoints_that_are_none(idle, given):
-    with pytest.raises(mmcs.InputError, match="setpoints.*: must be whole numbers of 32 bits"):
-        idle.write(given)
-
-
-@pytest.mark.parametrize("given", [-1, 99, None, "x", 1.5, NAN, 10**30, ()])
-def test_numbers_that_are_none(idle, given):
-    for ask in (idle.joint, idle.restore, *([] if given == 99 else [idle.wait])):
-        with pytest.raises((mmcs.InputError, mmcs.RunError), match="whole number|no snapshot 99"):
-            ask(given)
-
-
-def test_a_closed_machine_says_so():
-    machine = mmcs.Machine("lab500")
-    machine.close()
-    machine.close()
-    for ask in (machine.read, machine.wait, machine.stop, machine.save, machine.frame,
-                lambda: machine.write([0]), lambda: machine.time, lambda: machine.log):  # fmt: skip
-        with pytest.raises(mmcs.RunError, match="the machine is closed: make another"):
-            ask()
 
 
 def test_the_machine_has_the_scenarios_faults():

@@ -30,29 +30,6 @@ def test_constants_and_sizes_equal_those_of_the_compiler():
     assert [int(line) for line in printed.split()] == expected
 
 
-def test_mode_word():
-    assert mcdef.mode_word("position", ["coulcomp", "poschk"]) == (
-        mcdef.MD_POS | mcdef.COULCOMP | mcdef.POSCHK
-    )
-
-
-def test_unknown_name():
-    with pytest.raises(AttributeError, match=r"mcdef\.h does not define MSETNOTHING"):
-        mcdef.MSETNOTHING  # noqa: B018
-
-
-def test_parameters_reach_the_struct():
-    param = mcdef.new_param(3)
-    mcdef.fill_param(param, {"mode": "velocity", "flags": ["softerr"], "a0": 50, "b0": -1})
-    assert (param.which, param.a0, param.b0) == (3, 50, -1)
-    assert param.mode == mcdef.MD_VEL | mcdef.SOFTERR
-    again = mcdef.new_params([{"mode": "torque", "flags": ["softerr"], "a0": 50, "b0": -1}])[0]
-    words = mcdef.make_ffi().cast("int *", mcdef.make_ffi().addressof(again))
-    for word, mask, value in mcdef.sets({"mode": "velocity"}) + mcdef.sets({"a0": 51}):
-        words[word] = words[word] & ~mask | value & mask
-    assert (again.mode, again.a0, again.b0) == (param.mode, 51, -1)
-
-
 def test_declarations_are_parsed_once_and_again_where_they_were_damaged(tmp_path, monkeypatch):
     monkeypatch.setattr(mcdef, "BUILD", tmp_path)
     make = mcdef.make_ffi.__wrapped__

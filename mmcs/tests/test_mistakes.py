@@ -10,8 +10,7 @@ import shlex
 import pytest
 
 from mmcs.cli.app import main
-from mmcs.scenario.load import load
-from mmcs.tests.conftest import GOOD, good, one_clear_line, put
+from mmcs.tests.conftest import GOOD, one_clear_line, put
 
 HEAD, MOTION = GOOD.split("[[motion]]\n")
 # What a table of a scenario has beside the line in question.
@@ -258,29 +257,6 @@ def test_robot_mistake(mmcs, scenario, case):
     robot = scenario(text, "own.toml")
     path = scenario(OWN)
     one_clear_line(mmcs("run", path), start=f"{robot}: {expected}\n")
-
-
-def test_good_robot_of_ones_own(mmcs, scenario):
-    scenario(ROBOT, "own.toml")
-    assert "good; axes 1, motions 1" in good(mmcs("check", scenario(OWN)), silent=True)
-
-
-def test_friction_of_a_robot_file_is_that_of_sweeps(scenario):
-    four = [line for line in ROBOT.splitlines() if line.startswith(("coulomb", "stiction"))]
-    texts = {
-        "four.toml": ROBOT,
-        "one.toml": ROBOT.replace("\n".join(four), "friction = 0.1"),
-        "given.toml": ROBOT.replace("[[axis]]", "[[axis]]\nfriction = 0.2"),
-        "every.toml": ROBOT.replace("[[axis]]", "[every_axis]\nfriction = 0.2\nkm = 7.0\n[[axis]]"),
-    }
-    motors = []
-    for name, text in texts.items():
-        scenario(text, name)
-        motors.append(load(str(scenario(GOOD.replace("lab500", name)))).motors())
-    assert all(motor == motors[0] for motor in motors)
-    text = GOOD + "\n[[motor]]\nfriction = 0.3\nstiction_neg = 0.4\n"
-    motor = load(str(scenario(text))).motors()[0]
-    assert (motor["stiction_pos"], motor["stiction_neg"]) == (0.3, 0.4)
 
 
 def test_help_cuts_no_text_and_has_an_example_of_each_command(mmcs):

@@ -36,6 +36,7 @@ from mmcs.tests.test_identify import recording
 from mmcs.tests.test_tool import PD, TOOK, advise
 from mmcs.tool import judge, launch, tune
 from mmcs.view import chart, film, moments, watched, waves
+from mmcs.view.names import registers
 from studies import lockstep, one_axis, shrink
 from tools import book, carried, coverage, formal, trace, wavegen
 from tools.golden import plain, same
@@ -50,6 +51,8 @@ SESSIONS = {
     "step": [
         "run lab500 --out a --bus", "run lab500_nocomp --out b", "compare a b", "replay a",
         "trace a --at 0.05 --window 2 --out a/t.fst", "export mcap a", "export film a",
+        *(f"trace a --at {more}" for more in ("boom", "9", "0.1 --window 0", "0.1 --window 1e-9",
+          "0.1 --window nan", "0.1 --out x.vcd", "0.05 --out no/x.fst")),
     ],
     "arm": ["run puma560_reach --out arm", "export mcap arm", "compare arm nowhere",
             "run lab500 --out b", "compare b arm", "compare b b --out x.png",
@@ -100,7 +103,8 @@ SESSIONS = {
          "axis.0.a0=4600", "'event=[{at=9, input=\"estop\", value=1}]'", "pose_deg=[1,2]",
          "robot.axis.0.stiffness=5", "'call=[{request=\"MSETPARAM\", at=0.1}]'",
          "axis.0.a0=-40 --set axis.0.a1=0", "'call=[{request=\"MENABLE\", at=0.1, set={a0=1}}]'"),
-        ("puma560_hold", "pose_deg=[999,0,0,0,0,0]", "pose_deg=[9,9]", "axis.all.a0=9999"),
+        ("puma560_hold", "interval_us=20000 --set heartbeat_us=10000",
+         "pose_deg=[999,0,0,0,0,0]", "pose_deg=[9,9]", "axis.all.a0=9999"),
         ("puma560_reach", "axis.2.mode=off", "motion.0.axis=1"), ("arm_move", "cards=2"),
         ("user_loop", "process.0.to=[1,2,3,4,5,6,7]", "process.0.from=[1,2,3]",
          "'motion=[{axis=0, kind=\"step\", at=0.05, to=200}]'"),
@@ -226,7 +230,7 @@ def a_wave():
         waves._gtkwave(Path("x.fst"), Path("x"), waves.GROUPS, one, events).splitlines()
         for one, events in ((seen, (None, 2 * 10**9)), (None, (7, None)), (None, (None, None)))
     ]
-    return wavegen.wavejson(entry, found, 250), watched.groups(["X", "Y"]), view
+    return wavegen.wavejson(entry, found, 250), watched.groups(["X", "Y"]), view, registers()
 
 
 T4, Y, U = recording()

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from mmcs import BUILD, ROOT, SCENARIOS, RunError, place, service
-from mmcs.place import results
+from mmcs import ROOT, RunError, service
 from mmcs.tests.conftest import one_clear_line
 from tools.compiled import ran
 
@@ -27,12 +26,6 @@ place.workshop()
 
 def read_only(cache: Path, code: str = READ_ONLY):
     return ran(sys.executable, "-c", code, env={**os.environ, "XDG_CACHE_HOME": str(cache)})
-
-
-def test_results_are_beside_a_file_of_ones_own(tmp_path):
-    assert results("runs", SCENARIOS / "basic" / "lab500.toml") == BUILD / "runs"
-    assert results("runs", tmp_path / "my.toml") == tmp_path / "runs"
-    assert results("sweeps") == BUILD / "sweeps"
 
 
 def test_a_checkout_that_cannot_be_written_builds_in_the_cache(tmp_path):
@@ -119,26 +112,6 @@ def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     assert wanted | {"sbom.cdx.json", "THIRD_PARTY.txt"} <= held, sorted(wanted - held)
     assert not [name for name in held if "/tests/" in name]
     assert os.access(tmp_path / "sim" / "device" / "cc_wrapper.sh", os.X_OK)
-
-
-def test_the_command_that_installs_an_extra_is_true_where_it_is_told(monkeypatch):
-    assert place.installs("tool") == "make .venv/.tool"
-    assert place.installs("hosts") == "make firmware"
-    monkeypatch.setattr(place, "IN_CHECKOUT", False)
-    monkeypatch.setattr(place, "find_spec", lambda name: name == "pip")
-    told = place.installs("tool")
-    assert told.startswith(f"{sys.executable} -m pip install ") and "websockets==" in told
-    assert "machine68k==" in place.installs("hosts")
-    assert "mmcs" not in place.installs("dask").removeprefix(sys.executable)
-
-
-def test_that_command_where_pipx_or_uv_made_the_environment(monkeypatch, tmp_path):
-    monkeypatch.setattr(place, "IN_CHECKOUT", False)
-    monkeypatch.setattr(place, "find_spec", lambda name: None)  # uv's have no pip
-    monkeypatch.setattr(sys, "prefix", str(tmp_path))
-    assert place.installs("dask") == f"uv pip install --python {sys.executable} distributed"
-    (tmp_path / "pipx_metadata.json").touch()
-    assert place.installs("dask") == "pipx inject mmcs distributed"
 
 
 @pytest.mark.parametrize("command, extra", [

@@ -7,7 +7,6 @@ import sys
 
 import pytest
 
-from mmcs.errors import InputError
 from mmcs.scenario.load import load
 from mmcs.sweeps.workers import run_row
 from mmcs.tests.conftest import call, good, one_clear_line
@@ -171,18 +170,3 @@ run = "sleep 100"
     wave = folder / "w.fst"
     said = good(call("trace", folder / "out", "--at", 0.02, "--window", 1, "--out", wave))
     assert "the same hash" in said and wave.stat().st_size > 10_000
-
-
-@pytest.mark.parametrize("text, why", [
-    ("[[program]]\nrun = \"'\"", "No closing quotation"),
-    ('[[program]]\nrun = " "', "must name a program"),
-    ('[[program]]\nrun = "\'"\n[[program]]\nrun = "./no 3"',
-     "must name a program that can be executed"),
-    ('[[program]]\nrun = "true"\n[[motion]]\nkind = "step"\naxis = 0\nat = 0.1\nto = 5',
-     "not together with [[motion]]"),
-])  # fmt: skip
-def test_mistakes(text, why, folder):
-    (folder / "wrong.toml").write_text(f'extends = "device.toml"\n{text}\n')
-    with pytest.raises(InputError) as caught:
-        load(str(folder / "wrong.toml"))
-    assert why in str([*map(str, caught.value.mistakes)])

@@ -122,17 +122,6 @@ def test_difference_that_no_sample_shows(ran):
     assert records.first_difference(record, points[:3]).endswith("never comes")
 
 
-@pytest.mark.req("SW-1")
-def test_bad_records_are_refused_in_one_line(mmcs, tmp_path):
-    file = tmp_path / "bad.mmcs"
-    for content in ("", "{}", '{"mmcs_run": 1}', '{"mmcs_run": 99}', "[1, 2"):
-        file.write_text(content)
-        says = "reads format 1" if "99" in content else "not a run record"
-        for command in (("replay", file), ("trace", file, "--at", "0.1")):
-            one_clear_line(mmcs(*command), says)
-    one_clear_line(mmcs("replay", tmp_path / "no-such-run"), "no such run")
-
-
 # --- waveforms afterwards ----------------------------------------------------------------------
 
 
@@ -226,21 +215,6 @@ def test_trace_of_a_scenario_runs_it_and_begins_at_its_first_event(mmcs, scenari
     first = load(str(path)).moment()
     assert "is run first" in text and f"{first:.6f} to {first + 1e-3:.6f} s of motion" in text
     assert list((path.parent / "runs" / "test").glob("test_*.fst"))
-
-
-@pytest.mark.req("SW-1")
-def test_bad_stretches_are_refused_in_one_line(mmcs, ran):
-    out, _ = ran
-    cases = {
-        ("--at", "boom"): "the kind of an event of this run",
-        ("--at", 9): '--at = "9": must be -',
-        ("--at", 0.1, "--window", 0): "must be 0.001 ms or more",
-        ("--at", 0.1, "--window", 1e-9): "must be 0.001 ms or more",
-        ("--at", 0.1, "--window", "nan"): "must be 0.001 ms or more",
-        ("--at", 0.1, "--out", "x.vcd"): "ending in .fst",
-    }
-    for args, says in cases.items():
-        one_clear_line(mmcs("trace", out, *args), says)
 
 
 def test_trace_after_an_edit_tells_that_the_build_differs(mmcs, ran, monkeypatch):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import pywellen
 
-from mmcs import regs
 from mmcs.errors import RunError
 from mmcs.runs.machine import machine
 from mmcs.runs.record import make_record, read_record, write_record
@@ -19,7 +18,6 @@ from mmcs.runs.session import Session
 from mmcs.scenario.load import load
 from mmcs.view import watched, waves
 from mmcs.view.moments import first_missed, first_pass, variables
-from mmcs.view.names import registers
 
 SETS = ("duration=0.02", "motion.0.at=0.004", "expect=[]")
 
@@ -99,20 +97,6 @@ def test_a_machine_that_skips_has_nothing_to_watch():
             with pytest.raises(RunError, match="no register or port"):
                 sim.watch([name])
         assert sim.notes() == []
-
-
-def test_states_and_registers_have_names():
-    names = {s["net"]: s["names"] for g in watched.groups() for s in g["signals"] if s["names"]}
-    assert names["u_adaptor.u_core.u_master.state_q"] == {
-        "0": "idle", "1": "setup", "2": "command", "3": "hold"
-    }  # fmt: skip
-    states = [s for found in waves.GROUPS.values() for s in found if s.form == waves.STATE]
-    assert all(s.state_of and names[s.path] for s in states)
-    assert names["u_adaptor.vme_a_i"][str((regs.WINDOW_BASE + regs.PCCSR) >> 1)] == "PCCSR"
-    names = registers()
-    assert names[regs.WINDOW_BASE + regs.PCCSR >> 1] == "PCCSR"
-    assert names[regs.WINDOW_BASE + regs.card_offset(2, regs.CARD_DAC2_HI) >> 1] == "2:DAC2_HI"
-    assert len(names) == 6 + 16 * 17
 
 
 def test_a_missed_sclock_is_found_by_its_kind_and_marked(tmp_path):

@@ -133,16 +133,6 @@ def test_what_cannot_be_decided_is_not_met(run, answers, seen):
     assert (status == 0) is (not seen) and "not kept" not in out
 
 
-def test_text_that_was_cut_decides_nothing(run, answers):
-    expect = '[[expect]]\nkind = "event"\nevent = "log"\ntext = "needle"\nseen = false\n'
-    note = {"t": 0.1, "kind": "log", "axis": -1, "text": "x" * 98}
-    answers["notes"] = lambda: [note]
-    assert run(GOOD + expect)[0] == 0
-    note["text"] += "x"
-    status, out, _ = run(GOOD + expect)
-    assert status == 1 and "an event's text is cut after 99 characters" in out
-
-
 def test_record_is_of_what_was_loaded(run, tmp_path, monkeypatch):
     """Robot and table are edited, or gone, while the run goes on."""
     robot, table = tmp_path / "mine.toml", tmp_path / "t.csv"

@@ -33,7 +33,7 @@ SUITES = {
     "sim/service/configure.cpp": "sim/tests/service/test_service.py",
     "sim/service/script.cpp": "sim/tests/service/test_service.py",
     "mmcs/runs/metrics.py": "mmcs/tests/test_output.py::test_what_functions_return[responses]",
-    "mmcs/runs/expect.py": "mmcs/tests/test_session.py",
+    "mmcs/runs/expect.py": "mmcs/tests/test_output.py::test_what_functions_return[verdicts]",
     "mmcs/device/sockets.py": "mmcs/tests/test_serve.py::"
     "test_a_folder_that_is_not_ours_alone_is_refused",
     "mmcs/tool/pages.py": "mmcs/tests/test_tool.py::"
