@@ -108,25 +108,6 @@ def test_snapshot_at_an_instant_in_the_middle_of_the_firmware():
         assert seen == {True, False}
 
 
-def test_ring_keeps_the_last_ones_and_changes_nothing():
-    with machine() as plain, machine() as ringed:
-        busy(plain)
-        busy(ringed)
-        ringed.ring(0.005, 8)
-        goal = plain.time + 0.1
-        plain.run(goal)
-        ringed.run(goal)
-        assert everything(ringed) == everything(plain)
-        kept = ringed.snapshots()
-        assert len(kept) == 8
-        gaps = machines.pairwise_diff([s["t"] for s in kept])
-        assert all(0.00499 <= gap <= 0.012 for gap in gaps), gaps
-        ringed.restore(kept[3]["id"])
-        assert [s["id"] for s in ringed.snapshots()] == [s["id"] for s in kept[:4]]
-        ringed.run(goal)
-        assert everything(ringed) == everything(plain)
-
-
 # --- as bytes ----------------------------------------------------------------------------------
 
 
