@@ -260,7 +260,7 @@ static void *reader(void *end) {
   return (void *)read(*(int *)end, &byte, 1);
 }
 
-/* What is left of a timer, and what a closed one does no more. */
+/* What is left of a timer, what a closed one does no more, one that is set to what is long ago. */
 static void timers(void) {
   struct itimerspec often = {{0, 1000000}, {0, 3000000}}, once = {.it_value = {0, 1}};
   struct itimerval left;
@@ -289,13 +289,10 @@ static void timers(void) {
   fclose(file);
   close(other);
   timer_create(CLOCK_REALTIME, NULL, &id);
-  caught = 0;
-  TIMED((timer_settime(id, TIMER_ABSTIME, &once, NULL), usleep(10), caught)); /* it was long ago */
+  TIMED((caught = 0, timer_settime(id, TIMER_ABSTIME, &once, NULL), usleep(10), caught));
   once.it_value = at(CLOCK_REALTIME, 2);
-  timer_settime(id, TIMER_ABSTIME, &once, NULL);
-  TIMED(pause());
-  once.it_value.tv_nsec = 1000000000;
-  TIMED(timer_settime(id, 0, &once, NULL));
+  TIMED((timer_settime(id, TIMER_ABSTIME, &once, NULL), pause()));
+  TIMED((once.it_value.tv_nsec = 1000000000, timer_settime(id, 0, &once, NULL)));
   TIMED(timerfd_settime(0, 0, &often, NULL));
   TIMED((alarm(2), usleep(500000), alarm(0)));
   TIMED(read(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK), &left, sizeof left));

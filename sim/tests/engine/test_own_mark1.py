@@ -8,6 +8,7 @@ import pytest
 
 from mmcs import ROOT, load
 from mmcs.engine.own_card import inputs
+from mmcs.engine.script import Serving
 from mmcs.errors import InputError, RunError
 from mmcs.runs.machine import card_of, machine
 from mmcs.runs.session import Session
@@ -78,6 +79,12 @@ def test_a_snapshot_while_it_moves(mark1):
         for one in (sim, whole):
             one.run(0.16)
             assert one.hash() == end
+        state = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+    with (
+        machine(setup("lab500")) as sim,
+        pytest.raises(ValueError, match="belongs to another mach"),
+    ):
+        sim.restore_bytes(*state)
 
 
 @pytest.mark.parametrize(("cards", "slot", "why"), [
@@ -130,6 +137,18 @@ def test_two_cards_that_answer_end_the_run(tmp_path):
             sim.add_event(0, number, 0, 1)
             sim.bus_write(0x409, 0x18)
             assert sim.run(1e-4) and sim.bus_read(14 << 6 | 1) == 0x5A and sim.run(2e-4)
+        with machine(setup("lab500", *files[:2]), kind) as sim:
+            server = Serving(sim)
+            sim.bus_write(0x409, 0x18)
+            server.bus(server.enter("device", 1), 0x6000 | 14 << 6 | 1, 1, None)
+            assert not sim.run(sim.time + 1) and not sim.run(sim.time) and sim.time < 1
+            assert server.request(None, {"op": "snapshot"})["text"].startswith(
+                "no snapshot: an ass"
+            )
+            for at in (None, 0.5):
+                with pytest.raises(RunError, match="an assertion of the machine has failed"):
+                    sim.snapshot(at)
+            assert [note["kind"] for note in sim.notes()].count("assert") == 1
     with pytest.raises(InputError, match="card a has no joints, so it takes no slot"):
         card_of(setup("lab500", files[0], slot=0))
 

@@ -96,14 +96,17 @@ def test_a_wait_can_be_given_up_and_nothing_untoward_is_done_in_it():
     with machine() as sim:
         client = sim.open(mcdef.O_RDWR)
         seen = []
+        sim.snapshot()
 
         def look():
-            seen.append((sim.run(sim.time + 0.1), sim.lib.mmcs_sim_snapshot(sim._sim, -1.0)))
+            lib, of = sim.lib, sim.handle
+            others = lib.mmcs_sim_restore(of, 0), lib.mmcs_sim_run_to(of, sim.clock + 9, 0)
+            seen.append((sim.run(sim.time + 0.1), lib.mmcs_sim_snapshot(of, -1.0), *others))
             return len(seen) == 2
 
         sim.set_look(look)
         assert sim.ioctl(client, mcdef.MENABLE) == -5
-        assert seen == [(False, -1)] * 2
+        assert seen == [(False, -1, -1, -1)] * 2
         assert not sim.stats()["enabled"]
         sim.set_look(lambda: 0)
         assert sim.ioctl(client, mcdef.MENABLE) == 0

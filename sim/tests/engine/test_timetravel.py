@@ -99,7 +99,7 @@ def test_snapshot_at_an_instant_in_the_middle_of_the_firmware():
             number = sim.snapshot(asked)
             taken = next(s for s in sim.snapshots() if s["id"] == number)
             early = round(asked * 8e6) - taken["clock"]
-            assert 0 <= early < 8000
+            assert 0 <= early < 8000 and len(sim.snapshots()) == n + 1
             seen.add(early > 0)
             after = sim.clock, sim.hash()
             sim.restore(number)
@@ -179,8 +179,8 @@ def test_the_digest_is_of_every_source():
 
 def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
     with machine() as sim:
-        busy(sim)
-        sim.run(sim.time + 0.02)
+        early = sim.history_bytes(), (busy(sim), sim.run(sim.time + 0.002)) and sim.history_bytes()
+        sim.run(sim.time + 0.01)
         state, past = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
         before = everything(sim)
         build = sim.build_id().encode()
@@ -196,10 +196,24 @@ def test_foreign_or_damaged_bytes_are_refused_and_change_nothing():
                 assert "\n" not in str(refusal.value)
                 with pytest.raises(ValueError, match="not a snapshot|damaged|another build"):
                     sim.restore_bytes(state, data if data != past else state)
+        for history, what in zip(early, ("notes", "log"), strict=True):
+            with pytest.raises(ValueError, match=f"the snapshot lacks its {what}"):
+                sim.restore_bytes(state, history)
         assert everything(sim) == before
-    for other in ({"seed": 9}, {"motor": {"gear": 2.0}}, {"latency_max_us": 1.0}):
-        with machine(**other) as sim, pytest.raises(ValueError, match="another machine"):
+        sim.restore_bytes(state, past)
+        assert sim.snapshots() == []
+    for other in (
+        {"seed": 9}, {"motor": {"gear": 2.0}}, {"latency_max_us": 1.0}, {"amp_panic_cut": 1},
+        {"axes": 1}, {"cpu_us_per_axis": 1.0}, {"bus_timeout_us": 17.0}, {"gravity": [0, 0, 1.0]},
+    ):  # fmt: skip
+        with machine(**other) as sim, pytest.raises(ValueError, match="belongs to another machine"):
             sim.restore_bytes(state, past)
+    heavy = load("puma560_coupled")
+    heavy.robot.link[1].mass *= 2
+    with machine_of(load("puma560_coupled")) as sim, machine_of(heavy) as other:
+        state = sim.snapshot_bytes(sim.snapshot()), sim.history_bytes()
+        with pytest.raises(ValueError, match="belongs to another machine"):
+            other.restore_bytes(*state)
 
 
 # --- bad arguments -----------------------------------------------------------------------------
@@ -325,7 +339,10 @@ def test_deeds_lead_another_machine_the_same_way():
             clocks.append(sim.clock)
             deed()
             sim.run(sim.time + rng.randrange(3) / 1000)
-        sim.snapshot()
+        kept = sim.snapshot()
+        sim.write(client, [900, 9])  # which is undone
+        sim.restore(kept)
+        sim.drop(kept)
         assert lib.mmcs_sim_known(sim.handle) == begun
         assert lib.mmcs_sim_again(other.handle, sim.handle, begun - 1) == -1
         assert lib.mmcs_sim_again(other.handle, sim.handle, sim.clock) == 0
@@ -334,4 +351,4 @@ def test_deeds_lead_another_machine_the_same_way():
         assert lib.mmcs_sim_repeat(other.handle, sim.handle, clocks[12], sim.clock) == 0
         assert other.future() != sim.future()
         assert lib.mmcs_sim_copy(other.handle, sim.handle) == 0
-        assert other.future() == sim.future()
+        assert other.future() == sim.future() and len(sim.snapshots()) == 1
