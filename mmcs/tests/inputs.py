@@ -66,6 +66,9 @@ MISTAKES = {
                            for text in RECORDS)), "replay nowhere",
         *itertools.chain(*((("mine.toml", f'extends="lab500"\n[[program]]\nrun={one}'),
                             "check mine.toml") for one in PROGRAMS)),
+        ("base.toml", top("cards = 17")), "check sim/scenarios/lab500.toml",
+        ("mine.toml", 'description = "M"\nextends = "./base.toml"\nduration = -1\n'),
+        "check mine.toml", "check mine.toml --set cards=18 --set duration=1",
         ("own.toml", ROBOT), ("mine.toml", GOOD.replace("lab500", "./own.toml")),
         "check mine.toml",
         "run puma560 --set 'expect=[{kind=\"axis\",axis=[0,1],final_counts=[[1,2]]}]'",
@@ -180,6 +183,22 @@ def verdicts(_):
     return made, load("puma560", (degrees, "expect=[]")).segments
 
 
+def recording(g=150.0, lag=3.0, pos=300.0, neg=350.0, seconds=4.0, dt=1e-3, sign=1):
+    """A motor driven back and forth in torque mode, integrated finely; counts as an encoder has."""
+    t, y, u, at, v, current, sub = [], [], [], 0.0, 0.0, 0.0, 20
+    for n in range(int(seconds / dt)):
+        t.append(n * dt)
+        y.append(int(np.floor(sign * at)))
+        current = (500, 800, 1200)[n // 300 % 3] * (1 if n // 150 % 2 else -1)
+        u.append(current)
+        for _ in range(sub):
+            drag = pos if v > 0 else -neg if v < 0 else float(np.clip(current, -neg, pos))
+            after = v + (g * (current - drag) - lag * v) * dt / sub
+            v = 0.0 if v * after < 0 else after
+            at += v * dt / sub
+    return np.array(t), np.array(y), np.array(u)
+
+
 NAN = float("nan")
 ASKS = (
     lambda run: mmcs.load("lab500", ()), lambda run: mmcs.run("lab500", b"seed=1"),
@@ -259,8 +278,13 @@ def places(path):
     return [re.sub(r"==\S+", "==", one) for one in made]
 
 
+METHODS = "zoh", "bilinear", "backward", "prewarp", "matched"
+CONTROLLERS = ((4.0,), (4.0, 30.0), (4.0, 0.0, 0.1, 0.004), (4.0, 30.0, 0.1, 0.004),
+               (4.0, 0.0, 0.1), (4.0, 30.0, 0.1))  # fmt: skip
+
+
 def integers(_):
-    """Integer gains, and what is said of them."""
+    """Integer gains and what is said of them, by each method."""
     made = []
     for gains, method, *scale in (
         ((4, 30, 0.1), "bilinear"), ((4, 30, 0.1), "backward"), ((4, 3, 0.1), "backward", 64),
@@ -268,6 +292,10 @@ def integers(_):
     ):  # fmt: skip
         discrete = synthesis.discretize(synthesis.Controller(*gains), method, 1e-3)
         made.append(told(synthesis.to_integers, discrete, *scale))
+    for gains, method in itertools.product(CONTROLLERS, METHODS):
+        d = told(synthesis.discretize, synthesis.Controller(*gains), method, 1e-3, 200.0)
+        made.append(d)
+        made += [told(synthesis.to_integers, d, scale) for scale in (16, 1024, None)]
     for num, den in ((1.0,) * 4, (1.0,)), ((1.0,), (2.0,)), ((1.0,), (1.0, 0.95)):
         made.append(told(synthesis.to_integers, synthesis.Discrete(num, den)))
     return made

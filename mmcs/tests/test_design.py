@@ -73,33 +73,6 @@ def test_substitution_is_what_it_says(c, method):
         assert at == pytest.approx(c.at(np.array([1j * w0])), rel=1e-9)
 
 
-@pytest.mark.parametrize("c", PROPER + IMPROPER, ids=lambda c: c.form)
-def test_low_frequency_gain_is_kept_by_matching(c):
-    w = np.array([0.05])
-    made = ds.discretize(c, "matched", T, 200.0).at(np.exp(1j * w * T))
-    assert abs(made / c.at(1j * w) - 1) < 1e-3
-
-
-def test_matched_maps_poles_and_zeros():
-    c = ds.Controller(4.0, 30.0, 0.1, 0.004)
-    d = ds.discretize(c, "matched", T)
-    num, den = continuous(c)
-    assert sorted(np.roots(d.num).real) == pytest.approx(sorted(np.exp(np.roots(num) * T).real))
-    assert sorted(d.poles().real) == pytest.approx(sorted(np.exp(np.roots(den) * T).real))
-
-
-@pytest.mark.parametrize("scale", [16, 64, 1024, None])
-def test_rounding_keeps_the_integral(scale):
-    """The pole stays at z = 1 and the sum of the numerator is the rounded S*I*T."""
-    draw = random.Random(2)
-    for _ in range(20):
-        gains = ds.Controller(draw.uniform(1, 9), draw.uniform(9, 99), draw.uniform(0.01, 0.3))
-        d = ds.discretize(gains, "backward", T)
-        k = ds.to_integers(d, scale)
-        assert sum(k.b) == 0
-        assert sum(k.a) == round(sum(d.num) * k.b[0])
-
-
 @pytest.mark.parametrize("lag", [0.0, 0.24, 40.0])
 def test_plant_same_as_scipy(lag):
     signal = pytest.importorskip("scipy.signal", reason=EXTRA)

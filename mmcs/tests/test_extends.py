@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`extends`: what comes from the other file, what replaces it, and whose mistake is whose."""
 
-import pytest
-
 from mmcs import SCENARIOS
-from mmcs.errors import InputError
 from mmcs.scenario.files import FAULTS, read_toml, scenario_names
 from mmcs.scenario.load import load
 from mmcs.tests.conftest import one_clear_line
@@ -56,22 +53,6 @@ def test_files_that_extend_each_other_without_end(mmcs, tmp_path):
     for n in range(1200):
         (tmp_path / f"{n}.toml").write_text(f'extends = "./{n + 1}.toml"\n')
     one_clear_line(mmcs("check", tmp_path / "0.toml"), "is the 10th in a row: name fewer")
-
-
-def test_a_mistake_is_told_of_the_file_that_makes_it(tmp_path):
-    mine = 'description = "Mine"\nextends = "./base.toml"\nduration = -1\n'
-    write(tmp_path, base=BASE.replace("cards = 1", "cards = 17"), mine=mine)
-    with pytest.raises(InputError) as caught:
-        load(str(tmp_path / "mine.toml"))
-    files = {m.key: m.file.rpartition("/")[2] for m in caught.value.mistakes}
-    assert files == {"cards": "base.toml", "duration": "mine.toml"}
-    with pytest.raises(InputError, match="mine.toml: cards = 18"):
-        load(str(tmp_path / "mine.toml"), ("cards=18", "duration=1"))
-
-
-def test_an_old_path_tells_the_present_one():
-    with pytest.raises(InputError, match="no such scenario file; there is .*basic/lab500.toml"):
-        load("sim/scenarios/lab500.toml")
 
 
 def test_names_are_unique_and_no_file_is_outside_a_folder():

@@ -28,11 +28,10 @@ from mmcs.scenario.robot import Robot
 from mmcs.scenario.scenario import Scenario
 from mmcs.sweeps import campaign, campaign_report, classes, faults, workers
 from mmcs.tests.conftest import call
-from mmcs.tests.inputs import FIGURES, MISTAKES
+from mmcs.tests.inputs import FIGURES, MISTAKES, recording
 from mmcs.tests.insides import INSIDES
 from mmcs.tests.refusals import REFUSALS
 from mmcs.tests.talks import TALKS
-from mmcs.tests.test_identify import recording
 from mmcs.tests.test_tool import PD, TOOK, advise
 from mmcs.tool import judge, launch, tune
 from mmcs.view import chart, film, moments, watched, waves
@@ -73,6 +72,9 @@ SESSIONS = {
     "sweep": [
         "sweep lab500 --grid axis.0.b0=56,72 --random axis.0.ilim=200..1000 --samples 2 --out s"
         " --set duration=0.2 --workers 1",
+        "sweep lab500 --grid duration=0.06,0.12 --grid motion.0.at=0.05,0.1 --out bad --workers 1",
+        "sweep lab500 --grid motion.0.to=0,300 --out missed --workers 1 --set duration=0.08"
+        " --set 'expect=[{kind=\"axis\",final_counts=[-5,5]}]'",
     ],
     "campaign": ["campaign arm_move --faults 24 --seed 3 --out c --workers 1"],
     "programs": ["exec --robot puma560", "exec --robot lab500 --interval 2000", "exec --cflags",
@@ -81,7 +83,8 @@ SESSIONS = {
                  "exec --scenario lab500 --lockstep -- sh -c 'kill -9 $$'", "exec --out o -- true",
                  "exec --scenario lab500 -- /etc", "exec --realtime --speed 2 -- true",
                  "exec --scenario lab500 --out o --speed 2 -- true", "exec --speed 2 -- true",
-                 "exec --scenario lab500 --set motion=[] -- true", "serve lab500 --speed 0",
+                 "exec --scenario lab500 --set motion=[] -- true",
+                 "exec --scenario lab500 --set axis.0.b0=3 -- true", "serve lab500 --speed 0",
                  f"serve lab500 --dev {'x' * 120}",
                  "exec --lockstep --speed 2 -- true", "exec --scenario lab500 --out o -- true"],
     "mistakes": [
@@ -273,6 +276,8 @@ VALUES = {
                         for t in (0.001, 0.004) for slow in (0.0, 5.0)],
     "identified": lambda _: [
         *(identify(*recording(lag=lag, sign=sign)) for lag in (0.5, 9.0) for sign in (1, -1)),
+        *(identify(*recording(*one)) for one in (
+            (150, 3, 300, 350), (760, 2, 70, 106), (1450, 0.3, 105, 105))),
         *map(unidentified, UNTOLD),
     ],
     "frequency": lambda _: a_frequency(),

@@ -147,11 +147,6 @@ def test_run_tells_the_status_of_a_program_and_show_its_command(folder):
     assert "step.py 200" in shown and " a0 " not in shown, shown
 
 
-def test_exec_refuses_to_set_what_the_program_sets(folder):
-    words = ["exec", "--scenario", folder / "device.toml", "--set", "axis.0.b0=3", "--", "true"]
-    one_clear_line(call(*words), "axis.0.b0=3", "is the program's own job")
-
-
 def test_the_duration_ends_who_goes_on_and_its_run_is_traced(folder):
     (folder / "long.toml").write_text("""
 extends = "device.toml"

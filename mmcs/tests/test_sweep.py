@@ -78,27 +78,6 @@ def test_a_run_that_always_kills_its_worker_is_one_failed_row(undisturbed):
     assert rows[0]["status"] == rows[2]["status"] == "ok" and rows[0]["hash"] == rows[2]["hash"]
 
 
-def test_combination_that_is_no_good_is_a_row(mmcs, scenario, tmp_path):
-    status, out, err = mmcs(
-        "sweep", scenario(SHORT), "--grid", "duration=0.06,0.12", "--grid", "motion.0.at=0.05,0.1",
-        "--out", tmp_path / "out", "--workers", 1,
-    )  # fmt: skip
-    assert status == 1, err
-    rows = rows_of(tmp_path / "out")
-    assert [row["status"] for row in rows] == ["ok", "failed", "ok", "ok"]
-    assert "motion.0.at = 0.1: must be before the end of the run" in rows[1]["why"]
-    assert "0 of 4 runs missed an expectation, 1 failed" in out
-
-
-def test_missed_expectations_are_counted(mmcs, scenario, tmp_path):
-    text = SHORT + '[[expect]]\nkind = "axis"\nfinal_counts = [-5, 5]\n'
-    where = ("--out", tmp_path / "out", "--workers", 1)
-    status, out, _ = mmcs("sweep", scenario(text), "--grid", "motion.0.to=0,300", *where)
-    assert status == 1
-    assert "1 of 2 runs missed an expectation, 0 failed" in out
-    assert [row["unmet"] for row in rows_of(tmp_path / "out")] == ["0", "1"]
-
-
 # --- stopped and taken up again ----------------------------------------------------------------
 
 
