@@ -144,7 +144,6 @@ export class Arm {
     const key = [now, told, width, height, Object.values(this.turn), axis, colour("--ink")].join();
     if (key === this.#drawn || !width) return;
     this.#drawn = key;
-    this.element.dataset.away = this.turn.away.toFixed(2); // seen by tests
     const sharp = Math.min(2, devicePixelRatio);
     if (canvas.width !== width * sharp) canvas.width = width * sharp;
     if (canvas.height !== height * sharp) canvas.height = height * sharp;

@@ -10,7 +10,7 @@ events.defaultMaxListeners = 0; // of a machine, any number
 const STAND_IN = `data:text/javascript,export const h = (tag, attributes, ...children) =>
   ({ tag, attributes, children }); export const render = (shown, place) => { place.shown = shown; };
   export default class { static join = tables => tables; bbox = { left: 9, top: 9, width: 700, height: 90 };
-    cursor = { left: 9 }; select = { left: 9, width: 9 }; over = document.createElement("div");
+    cursor = { left: 0 }; select = { left: 9, width: 4 }; over = document.createElement("div");
     constructor(options, data, room) { Object.assign(this, { options, ctx: room.getContext() });
       room.append({ tag: "plot", options, data, plot: this, children: [this.over] }); const { y } = options.scales;
       if (y) this.ctx.ranges([[0, 0], [-3, 1000], [null, null], [5.2, 5.3]].map(ends => y.range(this, ...ends)));
@@ -79,7 +79,7 @@ class Element {
   getContext() {
     return pen;
   }
-  setPointerCapture() {}
+  setPointerCapture = id => drawn.push(`captures ${id}`);
   hasPointerCapture() {
     return true;
   }

@@ -20,7 +20,7 @@ const { errorWords, gainsOf, isBounded, isInitial, modeName, setpointScale } = a
 const { csvHead, csvLines, readRecording } = await import("../recording.js");
 const { fieldsText, offsetOf } = await import("../registers.js");
 const { decode, envelope, History } = await import("../samples.js");
-const { causeOf } = await import("../status.js");
+const { causeOf, stuckAxis } = await import("../status.js");
 const { findTrigger } = await import("../trigger.js");
 const { duration, Net, tickStep } = await import("../wave_data.js");
 
@@ -108,6 +108,24 @@ test("what functions return, as ever", () => {
   note(frames, [[links, [0.1, -0.7, 2]], [links.slice(1), [1, 2]]]);
   const stops = [[0, { stop_lo: -1, stop_hi: 2 }], [2, { stop_lo: 0, stop_hi: 1 }], [1, {}]];
   note((joint, at) => sector(links, [0.1, -0.7, 2], joint, at), stops, "sector");
+  const motor = { stiction_pos: 1, stiction_neg: 2, km: 1, amp_gain: 20.48 }; // holds 10, 20 D/A units
+  const columns = values =>
+    Object.fromEntries(
+      Object.entries(values).map(([name, value]) => [6 + SAMPLE.indexOf(name), value]),
+    );
+  const stuck = (mode, now, was) =>
+    stuckAxis({ driver: { params: [{ mode }] },
+      history: counted([0, 0, 0], { step: 0.15,
+        more: { 0: columns({ ...now, ...was }), 2: columns(now) } }) }, [motor]);
+  const pushes = { error: 21, setpoint: 1, current: 9 };
+  const [less, more] = [[{ error: 20 }, { error: -21 }, { current: 10 }, { current: -19 }, {
+    current: -20,
+  }, { current: 0 }, { setpoint: 0 }], [{ encnow: 1 }, { setpoint: 2 }]];
+  note(stuck, [...[0, 1, 2, 3, 4, 0x13].map(mode => [mode, pushes]),
+    ...[1, 3].flatMap(
+      mode => [...less.map(than => [mode, { ...pushes, ...than }]),
+        ...more.map(was => [mode, pushes, was])]
+    )], "stuckAxis");
   note(pause, each([0, 1, 10, 13, 14, 60, 80, 200, 400, 430, 4000, 60_000]));
   note(tickStep, [[1, 10], [2e-3, 4], ...each(texts).map((_, n) => [n * 5e-7 + 1e-9, 5])]);
   const ends = [[0, 60, 10], [5, 58, 7], [30, 34, 9], [0, 60, 1], [3, 3, 5]];

@@ -200,12 +200,13 @@ test("the tool's page: Workers of its sockets, and how it begins", async () => {
       await pass(by);
       sections.push(["hears", told()]);
     };
-    await hears({ text: JSON.stringify({ type: "hello", ...ON }) });
+    const hello = { text: JSON.stringify({ type: "hello", ...ON }) };
+    await hears(hello);
     await hears({ tick: true });
     await hears({ bytes: samples(30) });
     frame({ stopPath: true });
     for (let n = 0; n < 4; n++) await hears({ bytes: samples(9, { begin: n + 1 }) }, 600);
-    await hears({ closed: "gone" }, 1000);
+    for (const data of [{ closed: "gone" }, { closed: "again" }, hello]) await hears(data, 1000);
     same(`main ${search}`, sections);
   }
 });
@@ -270,6 +271,7 @@ test("Workers of a socket, of recordings and of files that are kept; what a page
     waits[0]();
   };
   await opened("socket.js");
+  beats(0);
   const connect = "ws://here/machine";
   for (const data of [{ send: "early" }, { connect, gone: "it is gone" }, { send: "one" }, {
     connect,

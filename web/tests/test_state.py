@@ -5,30 +5,11 @@ import os
 import signal
 
 import pytest
-from bench import chosen, enable, pick
-from test_page import enter
+from bench import chosen, pick
 
 from mmcs import mcdef
 
 pytestmark = pytest.mark.req("TOOL-1")
-
-
-@pytest.mark.req("DRV-12")
-def test_off_after_diag_takes_the_code_from_the_d_a(desk):
-    page = desk.page
-    enable(page)
-    pick(page, "#axis0-mode", "torq")
-    enter(page, "#axis0-setpoint", "60")
-    desk.until("() => mctool.machine.history.latest(0).current === 60")
-    pick(page, "#axis0-mode", "diag")  # while a current flows
-    desk.until("() => mctool.machine.history.latest(0).current === 0")
-    page.evaluate("() => mctool.page.changed()")
-    assert chosen(page, "#axis0-mode") == "diag"
-    enter(page, "#axis0-setpoint", "200")
-    desk.until("() => mctool.machine.history.latest(0).current === 200")
-    pick(page, "#axis0-mode", "off")
-    desk.until("() => mctool.machine.history.latest(0).current === 0")
-    desk.eventually(lambda: chosen(page, "#axis0-mode") == "off")
 
 
 def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
@@ -67,22 +48,6 @@ def test_space_types_toggles_and_chooses_elsewhere_it_stops(desk):
         assert stops(key(where, "Escape")), where
 
 
-@pytest.mark.deadman(1000)
-def test_a_page_that_nobody_looks_at_keeps_control(browser, desk):
-    """A browser lets the timers of a hidden page run once a second, or once a minute."""
-    page = browser.new_page()
-    page.add_init_script("const slow = setInterval; setInterval = (f) => slow(f, 60000)")
-    page.set_default_timeout(60_000)
-    desk.page.click("#control")
-    page.goto(desk.tool.address)
-    page.wait_for_selector("body.ready")
-    page.evaluate("() => mctool.machine.reclaim()")
-    since = desk.state()["time"]
-    page.wait_for_timeout(3000)
-    assert desk.state()["lease"] is not None and desk.state()["time"] > since
-    page.close()
-
-
 def test_what_others_do_and_what_is_lost_is_shown_by_every_page(desk):
     """A change elsewhere, the way back, a second page in control, no samples, no connection."""
     page, other = desk.page, desk.open()
@@ -111,23 +76,3 @@ def test_what_others_do_and_what_is_lost_is_shown_by_every_page(desk):
     os.kill(gateway, signal.SIGKILL)
     desk.eventually(lambda: "Not connected" in page.inner_text("#cause"))
     assert page.is_disabled("#control") and other.errors == []
-
-
-def test_a_square_wave_of_the_page_ends_with_power(desk):
-    """PANIC ends it; Enable starts nothing, and nothing is written meanwhile."""
-    page = desk.page
-    page.click("#tile4")
-    pick(page, "#axis4-mode", "pos")
-    enable(page)
-    pick(page, "[id='axis4-setpoint source']", "square")
-    enter(page, "#axis4-setpoint", "100")
-    desk.until("() => mctool.machine.history.latest(4).setpoint !== 0")
-    desk.stop_frame.click("#press")
-    desk.until("() => !mctool.machine.enabled")
-    desk.eventually(lambda: chosen(page, "[id='axis4-setpoint source']") == "slider")
-    assert page.evaluate("() => mctool.page.axes[4].square") is None
-    desk.stop_frame.click("#press")
-    desk.until("() => !mctool.machine.input('estop')")
-    page.click("#enable")
-    desk.until("() => document.getElementById('cause').textContent.startsWith('Servo on')")
-    assert page.evaluate("() => mctool.page.axes[4].square") is None

@@ -2,11 +2,10 @@
 """STOP works while the page hangs, the page's server is stopped, or samples flood."""
 
 import os
-import re
 import signal
 
 import pytest
-from bench import new_page, note
+from bench import note
 
 HANG_MS = 700
 SILENT_MS = 20_000  # far longer than the dead man of that test
@@ -76,19 +75,6 @@ def test_a_hung_page_in_control_stops_the_machine_by_itself(desk):
         assert desk.state()["time"] - since < SILENT_MS / 1000 - 1
 
 
-@pytest.mark.req("TOOL-1", "PAN-1")
-def test_the_hand_held_button(desk):
-    enable(desk)
-    frame = desk.stop_frame
-    frame.click("#press")
-    desk.until("() => mctool.machine.history.value(mctool.machine.history.end - 1, 4) & 1")
-    frame.wait_for_selector("#press:has-text('Release')")
-    desk.page.click("#tab-machine")
-    desk.page.wait_for_selector(".front:has(.alarm:text('PANIC')) #panic-cause:text('button')")
-    frame.click("#press")
-    frame.wait_for_selector("#press:has-text('Hand')")
-
-
 @pytest.mark.deadman(3000)
 def test_a_page_that_is_busy_for_twice_the_dead_man_keeps_control(desk):
     """A Worker says that the page is there; a page that hangs for longer is the test above."""
@@ -96,16 +82,3 @@ def test_a_page_that_is_busy_for_twice_the_dead_man_keeps_control(desk):
     hang(desk.page, 6000)
     desk.until("() => true")  # once it is over
     assert desk.page.evaluate("() => mctool.machine.controls") and desk.state()["enabled"]
-
-
-def test_a_page_without_its_stop_frame_takes_no_control(desk):
-    desk.page.click("#control")
-    desk.until("() => !mctool.machine.controls")
-    address = re.sub(r"stop=[^&]*", "stop=http%3A%2F%2Flocalhost%3A9%2Fgone", desk.tool.address)
-    other = new_page(desk.browser)
-    other.goto(address)
-    other.wait_for_selector("#cause:has-text('No STOP')")
-    other.click("#control")
-    other.wait_for_selector("#said:has-text('without STOP')")
-    assert other.evaluate("() => mctool.machine.controls") is False
-    other.close()

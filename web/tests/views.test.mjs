@@ -67,8 +67,12 @@ const ANSWERS = { mcap: { base64: "QUJD" }, inputs: { inputs: INPUTS }, change: 
   waves: { clk_hz: 8e6, from: 8000, to: 24000,
     groups: [{ name: "SCLOCK", signals: NETS.slice(0, 1) }, { name: "VME",
       signals: NETS.slice(1) }],
-    nets: [{ clocks: [8000, 12000, 20000], values: [0, 1, 0] }, { clocks: [8000, 8010, 15000],
-      values: [5, 0x7abc, 12] }, { clocks: [8000, 9000, 16000], values: [0, 0xfff0, 99] }] },
+    nets: [{ clocks: [8000, 12000, 12003, 12010, 20000, 20005, 24000],
+      values: [0, 1, 0, 1, 0, 1, 0] }, {
+      clocks: [8000, 8010, 8100, 9291, 10498, 10526, 15000, 24000, 24001],
+      values: [5, 0x7abc, 12, 17, 18, 19, 12, 5, 6],
+    }, { clocks: [8000, 9000, 9010, 9020, 16000, 16010],
+      values: [0, 0xfff0, 99, 0xfff8, 99, 50] }] },
   judge: { ...CURVE, fine: true, verdict: "As asked." },
   predict: { ...CURVE, hz: [1, 10], bode_db: [0, -3], bode_deg: [-10, -90] },
   chirp: { hz: [1, 10], gain_db: [0, -2], phase_deg: [-9, -80], coherence: [1, 0.99] },
@@ -133,6 +137,7 @@ async function made(
   await settled();
   if (state.after) carrier.onBytes(samples(100, { ...state, begin: state.after }));
   Object.assign(machine, state.machine);
+  Object.assign(page.turn, state.turn);
   await state.look?.(page);
   keys(page);
   const views = tabs(page);
@@ -141,13 +146,19 @@ async function made(
   return { page, machine, views, asked, began, later };
 }
 
+/** Setpoints of axis 0, of which some are beyond its limits. */
+const sets = (...values) => async ({ machine, axes: [axis] }) => {
+  for (const value of values) await machine.try(axis.setSetpoint(value));
+};
+
 /** Events: time, kind, value, text. */
 const happened = all =>
   all.split("; ").map(one => one.split(" ")).map(([t, kind, value, ...words]) => ({ t: Number(t),
     kind, value: Number(value), text: words.join(" ") })
   );
 const STATES = { "looking on": { control: false, hello: { lease: 2 } },
-  "at rest": { lines: STOPPED, physical: true }, "no sample": { rows: 0 },
+  "at rest": { lines: STOPPED, physical: true, look: sets(-2001, -2000, 3000, 3001) },
+  "no sample": { rows: 0 },
   driving: { lines: ENABLED | BRAKES, hello: { enabled: true }, physical: true,
     about: { links: [], motors: [MOTOR] } },
   stuck: { lines: ENABLED | BRAKES, hello: { enabled: true }, moves: 0,
@@ -163,23 +174,48 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
   past: { lines: BRAKES, look: page => page.look(1.004),
     events: [{ t: 1.5, kind: "rewind" }, { t: 1.2, kind: "mode", text: "torq", axis: 1 }, { t: 1.3,
       kind: "pace", text: "paused" }] },
-  button: { values: { estop: { 0: 1 } }, hello: { axes: 2, cards: 2 } },
-  diag: { lines: ENABLED | BRAKES, hello: { enabled: true }, param: { ...PARAM, mode: 0 } },
+  button: { values: { estop: { 0: 1 } }, hello: { axes: 2, cards: 2 }, look: async page => {
+    for (const type of ["name", "inputs", "wire:enabled", "wire:lease"]) {
+      page.machine.tell(type, { value: 1 });
+      for (let n = 0; n < 2; n++) await page.enable();
+    }
+    await page.enable();
+    page.asked = true;
+  } },
+  diag: { lines: ENABLED | BRAKES, turn: { above: -1.45, away: 0.81 }, hello: { enabled: true },
+    param: { ...PARAM, mode: 0 } },
   triangle: { lines: ENABLED | BRAKES, hello: { enabled: true }, moves: 0,
     param: { ...PARAM, mode: 0x84 } },
   pushed: { lines: ENABLED | BRAKES, hello: { enabled: true, paused: true }, moves: 0, errcode: 0,
-    param: { ...PARAM, mode: 3, ilim: 300 }, machine: { controls: true } },
-  gone: { machine: { connected: false } }, "no STOP": { machine: { stopPath: false } },
+    param: { ...PARAM, mode: 3, ilim: 300 }, machine: { controls: true },
+    turn: { above: 1.45, away: 5.9 }, look: sets(301, 300, -300, -301) },
+  gone: { machine: { connected: false } },
+  "no STOP": { machine: { stopPath: false },
+    look: ({ machine }) => machine.try(machine.takeControl()) },
   marked: { rows: 300, look: page => {
     page.put("scope", { marks: [0.5, 1.25], held: [0.4, 1.4], trigger: "rise",
       channels: [{ axis: 1, field: "encnow", on: true, n: 7, stroke: "--c1", dash: [8, 3] }] });
     page.put("fault", { search: "cut", name: "encoder_a_cut", index: "1", value: "1" });
     page.put("tune", { curves: [["dB", [[1, 10], [0, -3]], [[1, 10], [0, -2]], true]] });
     page.set({ filter: "estop", axis: 1 });
-    return askWaves(page, 0.00175);
+    return askWaves(page, 0.00175).then(() => page.put("waves", { marks: [9000, 17000] }));
   }, events: [{ t: 1.1, kind: "fault", text: "estop 1" }, { t: 1.2, kind: "log", text: "mc: x" }] },
-  frozen: { machine: { silent_s: 2 } },
-  "no cable": { values: { cable: { 0: 0 }, pc_power: { 0: 0 } } },
+  frozen: { machine: { silent_s: 2 }, look: async page => {
+    page.put("scope", { marks: [0.08, 7.1] });
+    page.machine.controls = false;
+    for (let n = 0; n < 2; n++) await page.machine.reclaim();
+  } },
+  "no cable": { values: { cable: { 0: 0 }, pc_power: { 0: 0 } },
+    look: async ({ machine, axes: [axis] }) => {
+      for (const [kind, value] of [["panic", 0], ["panic", 1], ["stopped", 0], ["stopped", 1], [
+        "enabled",
+        1,
+      ], ["enabled", 0]]) {
+        await axis.setSource("square");
+        machine.tell(`wire:${kind}`, { value });
+        machine.say("log", axis.source);
+      }
+    } },
   lost: {
     events: [...happened("1 lease 2"), { type: "lost", events: 3 },
       ...happened(
@@ -190,12 +226,15 @@ const STATES = { "looking on": { control: false, hello: { lease: 2 } },
       )],
     after: 0.71,
   },
-  refused: { answers: { stop: { error: "EIO" }, change: { error: "EIO", text: "no card" } },
-    look: page => Promise.all(["stop", "change"].map(op => page.machine.ask(op))) },
+  refused: { param: { ...PARAM, mode: 0 },
+    answers: { stop: { error: "EIO" }, change: { error: "EIO", text: "no card" } },
+    look: page =>
+      Promise.all([...["stop", "change"].map(op => page.machine.ask(op)),
+        page.machine.try(page.axes[0].setMode("pos"))]) },
   unleased: { events: [{ t: 1, kind: "lease", value: -1 }] },
   overlaid: { pointed: true, boxes: { "tune-wn": "x", "step-size": "1.5" }, look: page => {
     page.advice.tell("progress", { text: "half", lend: 7 });
-    page.put("scope", { marks: [0.5, 1.25],
+    page.put("scope", { marks: [0.09, 7.09],
       overlays: [1, -1].map(shift => ({ shift, recording: OLD })) });
   } }, square: { lines: ENABLED | BRAKES, hello: { enabled: true }, look: async page => {
     const [axis, other] = page.axes;
@@ -222,27 +261,39 @@ const VIEWS = ["scope", "tune", "machine", "registers", "faults", "waves", "labs
 const ROOMS = { header, banner, tiles, panels, timeBar };
 
 const KEYS = ["0", "ArrowLeft", "ArrowDown", "ArrowRight", "ArrowUp", "+", "a", "ArrowRight", "b",
-  "w", "-", "e", "Enter", "c", "?", "Escape"];
-const GESTURES = [["pointermove", 300, 60], ["pointerdown", 400, 110], ["pointermove", 430, 115], [
-  "pointerdown",
-  500,
-  120,
+  "w", "-", "e", "Enter", "c", "?", "Escape", "A", "+", "=", "B", "ArrowRight",
+  ...Array(5).fill("ArrowLeft"), "ArrowRight", "b"];
+const GESTURES = [["pointermove", 300, 60], ["pointerdown", 400, 110], ["pointermove", 404, 115], [
+  "pointermove",
+  430,
+  115,
+], ["pointermove", 445, 115], ["pointerdown", 500, 120, 2], ["pointermove", 560, 120, 2], [
+  "pointerup",
+  430,
+  115,
   2,
-], ["pointermove", 560, 120, 2], ["pointerup", 430, 115, 2], ["pointerup", 430, 115], ["wheel", 350,
-  60], ["pointerdown", 450, 70], ["pointerup", 450, 70], ["dblclick", 430, 115]];
-/** Pointer, wheel and keys on an element, one after another. */
-const heard = ({ on }) => given => {
+], ["pointerup", 430, 115], ["wheel", 350, 60], ["wheel", 350, 60, 1, -900], ["pointerdown", 450,
+  70], ["pointerup", 450, 70], ["dblclick", 430, 115]];
+/** Pointer, wheel and keys on an element, one after another, and what each changes. */
+const heard = ({ on }, { scope, waves, turn }) => given => {
   const more = { ...given, target: { matches: () => false } };
   const at = (clientX, clientY) => ({ ...more, clientX, clientY, offsetX: clientX, offsetY: clientY,
-    pointerType: "touch", buttons: 1, movementX: 20, movementY: -9, deltaY: 120 });
-  for (const key of KEYS) on.keydown?.({ ...more, key });
+    pointerType: "touch", buttons: 1, movementX: 20, movementY: -9 });
+  const does = (type, event) => {
+    on[type]?.({ ...event, type });
+    const { view, at: clock, marks, selected } = waves;
+    drawn.push(JSON.stringify([scope.held, scope.marks, turn, view, clock, marks, selected?.name]));
+  };
+  for (const [n, key] of KEYS.entries())
+    does("keydown", { ...more, key, shiftKey: n > 18 && n < 26, ctrlKey: n > 26 });
   for (const [n, code] of ["Space", "Escape", "Space", "KeyC", "Digit2"].entries()) {
     const [matches, closest] = [() => n % 2 === 0, () => n === 4];
     on.keydown?.({ ...more, code, key: code, repeat: n > 2, shiftKey: n > 3,
       target: { matches, closest } });
     on.keyup?.({ ...more, code, target: { matches } });
   }
-  for (const [type, x, y, pointerId = 1] of GESTURES) on[type]?.({ ...at(x, y), pointerId });
+  for (const [type, x, y, pointerId = 1, deltaY = 120] of GESTURES)
+    does(type, { ...at(x, y), pointerId, deltaY });
 };
 
 /** Name and text of each part of the page, and the handlers there. */
@@ -258,7 +309,7 @@ async function parts({ page, views }, only = VIEWS, wanted = "") {
     shown.push([view, byId("views").children.at(-1)]);
   }
   const arm = new Arm(page);
-  arm.draw();
+  if (!wanted || wanted === "arm") arm.draw();
   const around = [["tabs", byId("tabs")], ["room", byId("main")], ["keys", document]];
   const all = [...around, ...shown, ["arm", arm.element]];
   return all.filter(([name]) => !wanted || name === wanted).map(([name, node]) => {
@@ -268,7 +319,8 @@ async function parts({ page, views }, only = VIEWS, wanted = "") {
     const at = by => ({ offsetX: from.x + by, offsetY: from.y, buttons: 1 });
     const drag = () => (node.on.pointerdown(at(0)), node.on.pointermove(at(25)));
     if (from) found.push({ name: "drag", node, act: drag });
-    return { name, told, found: found.map(one => ({ ...one, act: one.act ?? heard(one.node) })) };
+    return { name, told,
+      found: found.map(one => ({ ...one, act: one.act ?? heard(one.node, page) })) };
   });
 }
 
