@@ -157,19 +157,16 @@ const CALLS = [{ at: 0.1, request: "MSETPARAM", axis: [1], value: 0,
   set: { a0: 7, mode: "torque", flags: ["adfb", "coulcomp"] } }, { at: 0.2, request: "MENABLE",
   axis: "all", value: 4 }, { at: 0.3, request: "MSETPARAM", axis: 0, value: 0,
   set: { b0: -3, flags: [] } }];
+const set = (name, index) => ({ op: "input", name, index, value: 1 });
+const change = (axis, param) => ({ op: "change", axis, param });
 const ASKED = [{ op: "hello" }, { op: "machine" }, { op: "memory" }, { op: "sing", id: { a: 1 } }, {
   op: "toString",
 }, { op: "design", p: 1, i: 2, d: 3, tau: 4, interval_s: 0.001 }, { op: "design", p: -1,
   interval_s: 0.5 }, { op: "load", offset: 5 }, { op: "stop" }, { op: "store", offset: 5,
   value: 1.5, list: [1, 2], none: null, deep: { "a\tb": true, c: { d: 1 } } }, { op: "rewind",
-  snapshot: 0 }, { op: "write", setpoints: [1] }, { op: "setpoint", axis: 0 }, { op: "input",
-  name: "estop", index: 0, value: 1 }, { op: "input", name: "x", index: 0, value: 1 }, {
-  op: "input",
-  name: "cable",
-  index: 9,
-  value: 1,
-}, { op: "change", axis: 1, param: { mode: 0x11, a0: 3, which: 1 } }, { op: "change", axis: 2,
-  param: {} }, { op: "change", axis: 0, param: { b0: 2 } },
+  snapshot: 0 }, { op: "write", setpoints: [1] }, { op: "setpoint", axis: 0 }, set("estop", 0),
+  set("x", 0), set("cable", 9), change(1, { mode: 0x11, a0: 3, which: 1 }), change(2, {}),
+  change(0, { b0: 2 }),
   ...["MGETPARAM", "MFLY", "MENABLE"].map(request => ({ op: "call", request })), { op: "call",
   request: "MDACMODE", value: 1 }, { op: "call", request: "MSETENC", value: 513 }, { op: "call",
   request: "MSETPARAM", axis: 0, param: { a0: 9, mode: 35 } }, { op: "call", request: "MSETPARAM",

@@ -99,7 +99,8 @@ export const clear = () => {
   for (const place of [window, document]) place.on = {};
   drawn.length = 0;
 };
-const stored = { getItem: () => null, setItem: (...what) => drawn.push(`keeps ${what.join(" ")}`) };
+const stored = { getItem: name => (name === "axis" ? "41" : null),
+  setItem: (...what) => drawn.push(`keeps ${what.join(" ")}`) };
 Object.assign(globalThis, { localStorage: stored, devicePixelRatio: 1,
   window: Object.assign(new Element("window"), { devicePixelRatio: 1 }),
   document: Object.assign(new Element("document"), { getElementById: element,

@@ -260,20 +260,13 @@ const PRESSED = ["overlaid", "square", "driving", "diag", "pushed", "past", "tun
 const VIEWS = ["scope", "tune", "machine", "registers", "faults", "waves", "labs", "log"];
 const ROOMS = { header, banner, tiles, panels, timeBar };
 
-const KEYS = ["0", "ArrowLeft", "ArrowDown", "ArrowRight", "ArrowUp", "+", "a", "ArrowRight", "b",
-  "w", "-", "e", "Enter", "c", "?", "Escape", "A", "+", "=", "B", "ArrowRight",
-  ...Array(5).fill("ArrowLeft"), "ArrowRight", "b"];
-const GESTURES = [["pointermove", 300, 60], ["pointerdown", 400, 110], ["pointermove", 404, 115], [
-  "pointermove",
-  430,
-  115,
-], ["pointermove", 445, 115], ["pointerdown", 500, 120, 2], ["pointermove", 560, 120, 2], [
-  "pointerup",
-  430,
-  115,
-  2,
-], ["pointerup", 430, 115], ["wheel", 350, 60], ["wheel", 350, 60, 1, -900], ["pointerdown", 450,
-  70], ["pointerup", 450, 70], ["dblclick", 430, 115]];
+const KEYS =
+  "0 ArrowLeft ArrowDown ArrowRight ArrowUp + a ArrowRight b w - e Enter c ? Escape A + = B "
+  + "ArrowRight ArrowLeft ArrowLeft ArrowLeft ArrowLeft ArrowLeft ArrowRight b";
+const GESTURES =
+  "pointermove 300 60; pointerdown 400 110; pointermove 404 115; pointermove 430 115; pointermove 445 115; "
+  + "pointerdown 500 120 2; pointermove 560 120 2; pointerup 430 115 2; pointerup 430 115; wheel 350 60; "
+  + "wheel 350 60 1 -900; pointerdown 450 70; pointerup 450 70; dblclick 430 115";
 /** Pointer, wheel and keys on an element, one after another, and what each changes. */
 const heard = ({ on }, { scope, waves, turn }) => given => {
   const more = { ...given, target: { matches: () => false } };
@@ -284,7 +277,7 @@ const heard = ({ on }, { scope, waves, turn }) => given => {
     const { view, at: clock, marks, selected } = waves;
     drawn.push(JSON.stringify([scope.held, scope.marks, turn, view, clock, marks, selected?.name]));
   };
-  for (const [n, key] of KEYS.entries())
+  for (const [n, key] of KEYS.split(" ").entries())
     does("keydown", { ...more, key, shiftKey: n > 18 && n < 26, ctrlKey: n > 26 });
   for (const [n, code] of ["Space", "Escape", "Space", "KeyC", "Digit2"].entries()) {
     const [matches, closest] = [() => n % 2 === 0, () => n === 4];
@@ -292,8 +285,10 @@ const heard = ({ on }, { scope, waves, turn }) => given => {
       target: { matches, closest } });
     on.keyup?.({ ...more, code, target: { matches } });
   }
-  for (const [type, x, y, pointerId = 1, deltaY = 120] of GESTURES)
+  for (const [type, ...numbers] of GESTURES.split("; ").map(one => one.split(" "))) {
+    const [x, y, pointerId = 1, deltaY = 120] = numbers.map(Number);
     does(type, { ...at(x, y), pointerId, deltaY });
+  }
 };
 
 /** Name and text of each part of the page, and the handlers there. */
@@ -310,7 +305,8 @@ async function parts({ page, views }, only = VIEWS, wanted = "") {
   }
   const arm = new Arm(page);
   if (!wanted || wanted === "arm") arm.draw();
-  const around = [["tabs", byId("tabs")], ["room", byId("main")], ["keys", document]];
+  const around = [["tabs", byId("tabs")], ["room", byId("main")], ["keys", document], ["beside",
+    byId("views").className]];
   const all = [...around, ...shown, ["arm", arm.element]];
   return all.filter(([name]) => !wanted || name === wanted).map(([name, node]) => {
     const found = [];
