@@ -14,7 +14,7 @@ from mmcs.inputs import INPUTS
 
 STEPS, PARTS, BIG = 12000, 16, 1 << 31
 # Of the answers of each part of the steps. Who means to change them puts in what the test shows.
-AS_EVER = "6e79 f964 b596 1ef1 fc68 bfe7 8fa9 dc6c 3b6e 1467 39cf 8939 5b7f d482 9fec 80f2"
+AS_EVER = "5e17 f825 bc8f 8887 3bcd a02c eed8 4546 3f9d f1f6 37a7 3697 1abf 77b5 59cc d352"
 CALLS = [*mcdef.requests(), *["MENABLE"] * 8, *["MCLEARERROR"] * 3, "MFLY"]
 LAST = [1, 1, 2, 3, 9, None]
 PARAMS = [
@@ -129,7 +129,7 @@ class Carrier(Serving):
         chance = self.chance
         self.time += chance.choice([1, 8, 32]) / 1024  # so exact that ends are met
         if chance.random() < 0.03:  # all is well again
-            for name in WELL:
+            for name in [*WELL, "host_dead"]:
                 event(self.sim, 0, name, INPUTS[name].healthy)
         number = chance.randrange(4)
         if number not in self.mine:

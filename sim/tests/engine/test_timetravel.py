@@ -244,7 +244,7 @@ tap_rows -1 1 out 1 out: -1 -1; tap_rows 0 0 out 1 out: -1 -1; tap_rows 0 1 out 
 tap_rows 0 1 out 1 no: -1 -1; tap_events 0 out 1 out: 0 -1; tap_events 0 no 0 out: 0 -1
 tap_events 0 no 1 out: -1 -1; tap_events -1 out 1 out: -1 -1; tap_events 0 out -1 out: -1 -1
 tap_events 0 out 1 no: -1 -1; tap_note no 0 0 name: -1 -1; tap_note name 0 0 no: -1 -1
-tap_note name 0 0 name: 0 -1; set_look no no: 0 -1
+tap_note name 0 0 name: 0 -1; set_look no no: 0 -1; trace name 0 1: -1 -1; trace name 1 2: 0 -1
 """
 
 
