@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulator core: time, bus, interrupts, determinism, and one motor that moves."""
 
+import os
 import random
 import sys
 import zlib
@@ -34,6 +35,25 @@ def test_a_machine_knows_what_the_one_before_it_learned(monkeypatch):
     assert simulate(setup).hash == first
     monkeypatch.setenv("MMCS_CHECK", "1")
     assert simulate(setup).hash == first
+
+
+# Passes at any time, so that conversions end within bus cycles; of some seeds with the axes off.
+PASSES = """
+from machines import ioctl, machine, start
+for seed in range(1, 20):
+    with machine(seed=seed, latency_max_us=20.0) as sim:
+        client = start(sim)
+        if seed % 2:
+            ioctl(sim, client, "MSTOP")
+        assert sim.run(sim.time + 0.1), seed
+"""
+
+
+def test_each_bus_cycle_as_one_step_is_that_of_its_clocks():
+    """In a process whose cache has met nothing else."""
+    env = {**os.environ, "MMCS_CHECK": "1", "PYTHONPATH": f"{ROOT}:{ROOT}/sim/tests/engine"}
+    done = ran(sys.executable, "-c", PASSES, env=env)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.req("API-1")
