@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coupled arm: friction that holds, stops, energy, brakes, flexible axes.
+// The coupled arm: friction that holds, stops, energy, brakes.
 #include "arm.h"
 
 #include "bench.h"
@@ -11,7 +11,6 @@ namespace {
 
 using bench::run;
 using mmcs::JointBounds;
-using mmcs::PinEdge;
 using mmcs::Plant;
 
 constexpr int kN = 6;
@@ -177,26 +176,4 @@ TEST(energy_of_a_free_arm_is_kept) {
   }
   CHECK(most > 10.0, "it hardly moves: %g J", most);
   CHECK(worst < 0.01 * most, "energy wanders by %g J of %g J", worst, most);
-}
-
-// A very stiff coupling approaches the rigid arm; a soft one lets the load swing.
-TEST(flexible_axis_in_the_arm) {
-  auto motors = bench::puma_rotors();
-  auto rigid = bench::puma_arm(motors, false);
-  motors[3].stiffness = 20.0;  // about 5 Hz with the wrist as load
-  motors[3].damping = 0.0;
-  auto soft = bench::puma_arm(motors, false);
-  double volts[kN] = {0, 0, 0, 0.5, 0, 0};
-  std::vector<PinEdge> edges;
-  double apart = 0.0;
-  for (int k = 0; k < 4000; ++k) {
-    rigid->step(volts, true, true, edges);
-    soft->step(volts, true, true, edges);
-    apart = std::max(apart, std::abs(rigid->angle(3) - soft->angle(3)));
-    for (int i = 0; i < kN; ++i) CHECK(std::abs(soft->angle(i)) < 10.0, "joint %d diverges", i + 1);
-    if (check::failures > 0) return;
-  }
-  CHECK(apart > 1e-4, "a soft coupling makes no difference");
-  CHECK(std::abs(rigid->angle(3) - soft->angle(3)) < 0.05 * std::abs(rigid->angle(3)),
-        "rigid %g rad, soft %g rad", rigid->angle(3), soft->angle(3));
 }
