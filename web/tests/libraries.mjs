@@ -67,9 +67,7 @@ class Element {
   append(...more) {
     this.children.push(...more);
   }
-  before(one) {
-    element("main").children.push(one);
-  }
+  before = one => element("main").children.push(one);
   replaceChildren(...all) {
     this.children = all;
   }
@@ -80,9 +78,7 @@ class Element {
     return pen;
   }
   setPointerCapture = id => drawn.push(`captures ${id}`);
-  hasPointerCapture() {
-    return true;
-  }
+  hasPointerCapture = () => true;
   scrollIntoView() {}
   focus() {}
   click() {

@@ -350,8 +350,10 @@ test("every control does what it did", async () => {
     const sections = [];
     for (const { name, found } of await parts(await made(STATES[state]))) {
       const log = [];
-      const typed = found.map(({ name: on }) => (on === "onChange" ? ["2", "-70000", "x"] : ["2"]));
-      const presses = typed.flatMap((texts, n) => texts.map(one => [n, one]));
+      const some = { onChange: ["2", "-70000", "x"], onKeyDown: ["2", "ArrowLeft"] };
+      const presses = found.flatMap((one, n) =>
+        (some[one.name] ?? ["2"]).map(typing => [n, typing])
+      );
       for (const [n, typing] of presses) {
         const one = await made(STATES[state]);
         const [again] = await parts(one, VIEWS.includes(name) ? [name] : ["log"], name);
@@ -360,10 +362,11 @@ test("every control does what it did", async () => {
         const before = store(one.page);
         one.asked.length = drawn.length = 0;
         const target = { value: on === "onClick" ? value : typing, checked: !checked,
-          files: RECORDINGS, matches: () => true, focus() {}, children: [],
-          firstChild: { focus() {} } };
-        act({ key: "Enter", target, currentTarget: target, preventDefault() {},
-          stopPropagation() {} });
+          files: RECORDINGS, matches: () => true, focus() {}, children: [{ focus: () =>
+            drawn.push("focus") }], firstChild: { focus() {} } };
+        target.children.unshift(target);
+        act({ key: typing === "ArrowLeft" ? typing : "Enter", target, currentTarget: target,
+          preventDefault() {}, stopPropagation() {} });
         await settled();
         one.later();
         await settled();
