@@ -220,7 +220,8 @@ test("a record that cannot be is one sentence", () => {
   const changes = [{}, { seed: -1 }, { seed: "7" }, { seed: 1.5 }, { seed: null }, { seed: 0 }, {
     duration: 0,
   }, { duration: "1" }, { duration: 1e9 }, { duration: null }, { duration: 3600 },
-    ...[{}, [null], [{ at: 0, request: 7 }], [{ at: -1, request: "MSTOP" }],
+    ...[{}, [null], [{ at: 0, request: 7 }], [{ at: 0, request: "MCALIB" }], [{ at: -1,
+      request: "MSTOP" }],
       ...[9, 2, -1, 0.5, [0, 1]].map(axis => [{ at: 0, request: "MCALIB", axis }]), [{ at: 0,
       request: "MSETPARAM", axis: 0, set: 7 }]].map(call => ({ call })),
     ...["x", [{ input: "estop" }], [{ at: 0, until: "later" }]].map(event => ({ event })), {
