@@ -66,14 +66,11 @@ class Part:
                 at = end
         return found
 
-    def is_data(self, pin: str, data: set[str]) -> bool:
-        return bool(self.kinds[pin] & data)
-
     def data(self, data: set[str]) -> dict[str, int]:
         """Inputs that are data: which of their bits."""
         found = {}
         for port, width in self.inputs.items():
-            if self.is_data(port, data):
+            if self.kinds[port] & data:
                 found[port] = (1 << width) - 1
         for module, name in (d.split(".", 1) for d in data):
             port, high, low = cut(name)
@@ -190,10 +187,12 @@ def instance(part: Part, name: str, swapped: dict[str, str]) -> str:
     return f"{wires}  {part.name} {name} ({', '.join(pins)});\n"
 
 
-def ports(inputs: dict[str, int]) -> str:
-    return ",\n".join(
+def begin(inputs: dict[str, int]) -> str:
+    """The module's pins, and its reset, which is off."""
+    pins = ",\n".join(
         f"  input wire [{w - 1}:0] {esc(p)}" for p, w in inputs.items() if p not in (CLOCK, RESET)
     )
+    return f"module part (\n  input wire {CLOCK},\n{pins}\n);\n  wire {RESET} = 1'b1;\n"
 
 
 def carried(part: Part, table: dict) -> str:
@@ -203,24 +202,22 @@ def carried(part: Part, table: dict) -> str:
     data |= set(table["counters"])
     masks = part.data(data)
     own = {f"{p}_for_two": part.inputs[p] for p in masks}
-    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | own)}\n);\n"
-    text += f"  wire {RESET} = 1'b1;\n" + other(part, masks, "two") + instance(part, "one", {})
+    text = begin(part.inputs | own) + other(part, masks, "two") + instance(part, "one", {})
     text += instance(part, "two", {p: esc(f"{p}_two") for p in masks})
     control = [r for r in part.slices(data) if r.kind not in data]
     counters = [r for r in part.registers if r.kind in margins]
-    outputs = [p for p in part.outputs if not part.is_data(p, data)]
+    outputs = [p for p in part.outputs if not part.kinds[p] & data]
     deciding = part.deciding(table)
+    sizes = {"Registers": sum(r.width for r in control) or 1, "Counters": len(counters) or 1,
+             "Outputs": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
     named = {net_of(c) for event, cells in deciding.items() for c in (event, *cells)}
     for inst in ("one", "two"):
         inside = dict.fromkeys([r.name for r in (*control, *counters)] + sorted(named))
         text += "".join(wire(f"{inst}.{name}", part.nets[name]) for name in inside)
-        for what, nets in (
-            ("registers", [r.of(inst) for r in control]),
-            ("outputs", [esc(f"{inst}_{p}") for p in outputs]),
-        ):
-            width = sum(r.width for r in control) if what == "registers" else sum(
-                part.outputs[p] for p in outputs)  # fmt: skip
-            text += f"  wire [{max(width, 1) - 1}:0] {what}_{inst} = {join(nets)};\n"
+        registers = join([r.of(inst) for r in control])
+        pins = join([esc(f"{inst}_{p}") for p in outputs])
+        text += f"  wire [{sizes['Registers'] - 1}:0] registers_{inst} = {registers};\n"
+        text += f"  wire [{sizes['Outputs'] - 1}:0] outputs_{inst} = {pins};\n"
     counted, same = [], []
     for n, r in enumerate(counters):
         one, two, margin = f"\\one.{r.name} ", f"\\two.{r.name} ", margins[r.kind]
@@ -235,14 +232,12 @@ def carried(part: Part, table: dict) -> str:
             text += f"  reg other_{n};\n  always @(posedge {CLOCK}) other_{n} <= \\{path} != 0;\n"
             same[-1] += f" || other_{n}"
         same[-1] += ")"
-    text += f"  wire [{max(len(counters), 1) - 1}:0] counted = {join(counted or [ONE])};\n"
-    text += f"  wire [{max(len(counters), 1) - 1}:0] same_way = {join(same or [ONE])};\n"
+    text += f"  wire [{sizes['Counters'] - 1}:0] counted = {join(counted or [ONE])};\n"
+    text += f"  wire [{sizes['Counters'] - 1}:0] same_way = {join(same or [ONE])};\n"
     one, two = (lambda name, inst=inst: part.value(inst, name) for inst in ("one", "two"))
     either = [f"(({one(event)} || {two(event)}) && {one(cell)} != {two(cell)})"
               for event, cells in deciding.items() for cell in cells]  # fmt: skip
     text += f"  wire decides = {' || '.join(either) or ZERO};\n"
-    sizes = {"Registers": sum(r.width for r in control) or 1, "Counters": len(counters) or 1,
-             "Outputs": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
     values = ", ".join(f".{n}({w})" for n, w in sizes.items())
     return HEAD + text + f"  carried_props #({values}) u_props (.*);\nendmodule\n"
 
@@ -253,32 +248,32 @@ def bits(part: Part, table: dict) -> str:
     margins, copies = table["counters"], ("one", "two", "three", "four")
     masks = part.data(data)
     own = {f"{p}_for_{n}": part.inputs[p] for p in masks for n in ("two", "three")}
-    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | own)}\n);\n"
-    text += f"  wire {RESET} = 1'b1;\n" + other(part, masks, "two") + other(part, masks, "three")
+    text = begin(part.inputs | own) + other(part, masks, "two") + other(part, masks, "three")
     for p in masks:
-        most_of = most(*(esc(n) for n in (p, f"{p}_two", f"{p}_three")))
-        text += f"  wire [{part.inputs[p] - 1}:0] {esc(f'{p}_four')} = {most_of};\n"
+        a, b, c = (esc(n) for n in (p, f"{p}_two", f"{p}_three"))
+        most = f"(({a} & {b}) | ({a} & {c}) | ({b} & {c}))"
+        text += f"  wire [{part.inputs[p] - 1}:0] {esc(f'{p}_four')} = {most};\n"
     for n, inst in enumerate(copies):
         text += instance(part, inst, {p: esc(f"{p}_{inst}") for p in masks} if n else {})
     cells = [r for r in part.slices(data) if r.kind in data or r.kind in margins]
     control = [r for r in part.slices(data) if r not in cells]
     deciding = part.deciding(table)
     named = [net_of(c) for event, held in deciding.items() for c in (event, *held)]
-    outputs = [p for p in part.outputs if part.is_data(p, data)]
+    outputs = [p for p in part.outputs if part.kinds[p] & data]
     computed = {r.name: f"{r.name.rpartition('.')[0]}.{net}".lstrip(".")
                 for r in cells if (net := table["computed"].get(r.kind))}  # fmt: skip
     names = [r.name for r in part.registers]
     nets = {n: part.nets[n] for n in (*names, *named, *computed.values())}
     excused, above = [], [ONE]
+    sizes = {"Control": sum(r.width for r in control) or 1,
+             "Data": sum(r.width for r in cells) or 1,
+             "Shown": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
     for inst in copies:
         text += "".join(wire(f"{inst}.{name}", width) for name, width in nets.items())
-        for what, names in (("control", control), ("data", cells)):
-            width = sum(r.width for r in names)
-            value = join([r.of(inst) for r in names])
-            text += f"  wire [{max(width, 1) - 1}:0] {what}_{inst} = {value};\n"
-        shown = join([esc(f"{inst}_{p}") for p in outputs])
-        width = max(sum(part.outputs[p] for p in outputs), 1)
-        text += f"  wire [{width - 1}:0] shown_{inst} = {shown};\n"
+        shown = [esc(f"{inst}_{p}") for p in outputs]
+        values = ([r.of(inst) for r in control], [r.of(inst) for r in cells], shown)
+        for (what, width), value in zip(sizes.items(), values, strict=True):
+            text += f"  wire [{width - 1}:0] {what.lower()}_{inst} = {join(value)};\n"
     for n, r in enumerate(cells):
         excuses = [ZERO]
         if r.kind in margins:
@@ -312,25 +307,16 @@ def bits(part: Part, table: dict) -> str:
         differ.append(f"({esc(pin)} && ({unread}))")
     text += f"  wire decides = {' || '.join(differ) or ZERO};\n"
     text += f"  wire above = &{join(above)};\n"
-    sizes = {"Control": sum(r.width for r in control) or 1,
-             "Data": sum(r.width for r in cells) or 1,
-             "Shown": sum(part.outputs[p] for p in outputs) or 1}  # fmt: skip
     text += f"  wire [{sizes['Data'] - 1}:0] excused = {join(excused)};\n"
     values = ", ".join(f".{n}({w})" for n, w in sizes.items())
     return HEAD + text + f"  bits_props #({values}) u_props (.*);\nendmodule\n"
-
-
-def most(a: str, b: str, c: str) -> str:
-    return f"(({a} & {b}) | ({a} & {c}) | ({b} & {c}))"
 
 
 def deaf(part: Part, rule: dict) -> str:
     """Two of a part that differ in some inputs; what their decoders say, and say at rest."""
     swapped = {p: f"{p}_other" for p in rule.get("bus", rule.get("inputs"))}
     other = {name: part.inputs[p] for p, name in swapped.items()}
-    text = f"module part (\n  input wire {CLOCK},\n{ports(part.inputs | other)}\n);\n"
-    text += f"  wire {RESET} = 1'b1;\n"
-    text += instance(part, "one", {}) + instance(part, "two", swapped)
+    text = begin(part.inputs | other) + instance(part, "one", {}) + instance(part, "two", swapped)
     width, pins = sum(r.width for r in part.registers), sum(part.outputs.values())
     for inst in ("one", "two"):
         text += "".join(wire(f"{inst}.{r.name}", r.width) for r in part.registers)
