@@ -6,16 +6,28 @@ parsers.py [--inputs N] [--seed S]
 """
 
 import argparse
+import base64
 import json
 import random
 import socket
 import struct
 import sys
 import tempfile
+import zlib
 from collections import Counter
 from pathlib import Path
 
-from mmcs import ROBOTS, ROOT, InputError
+import mmcs
+from mmcs import ROBOTS, ROOT, InputError, load, mcdef
+from mmcs.device import wire
+from mmcs.device.messages import LENGTH, Messenger
+from mmcs.device.programs import Program
+from mmcs.device.server import Server
+from mmcs.device.stop import Stop
+from mmcs.files import loads
+from mmcs.runs.record import KINDS
+from mmcs.sweeps.plan import parse_grid
+from mmcs.sweeps.store import _entry, checksum
 
 
 class Parser:
@@ -40,28 +52,19 @@ def _written(path: Path, data: bytes) -> str:
 
 
 def _scenario(folder: Path) -> Parser:
-    from mmcs import find, load, scenario_names
-
     path = folder / "s.toml"
-    good = find(scenario_names()[0]).read_bytes()
+    good = mmcs.find(mmcs.scenario_names()[0]).read_bytes()
     return Parser("scenario", good, lambda data: load(_written(path, data)))
 
 
 def _robot(folder: Path) -> Parser:
-    from mmcs import load_robot
-
     path = folder / "r.toml"
     good = (ROBOTS / "lab500.toml").read_bytes()
-    return Parser("robot", good, lambda data: load_robot(_written(path, data)))
+    return Parser("robot", good, lambda data: mmcs.load_robot(_written(path, data)))
 
 
 def _good_record() -> dict:
     """Of a run that was never made: enough for what reads records."""
-    import base64
-    import zlib
-
-    from mmcs.runs.record import KINDS
-
     files = {"robot.toml": (ROBOTS / "lab500.toml").read_text()}
     packed = base64.b64encode(zlib.compress(json.dumps(files).encode())).decode()
     plain = {key: kind() for key, kind in KINDS.items() if isinstance(kind, type)}
@@ -72,25 +75,18 @@ def _good_record() -> dict:
 
 
 def _record(folder: Path) -> Parser:
-    from mmcs import parse
-    from mmcs.files import loads
-
     good = json.dumps(_good_record()).encode()
     refusals = (InputError, ValueError)  # whose sentence read_record() tells
-    return Parser("record", good, lambda data: parse(folder / "x", loads(data)), refusals)
+    return Parser("record", good, lambda data: mmcs.parse(folder / "x", loads(data)), refusals)
 
 
 def _rows() -> Parser:
-    from mmcs.sweeps.store import _entry, checksum
-
     row = {"status": "ok", "unmet": 0, "why": "", "hash": "0x0", "settle_ms": 1.5}
     good = json.dumps({"n": 3, "row": row, "sum": checksum("me", 3, row)}).encode()
     return Parser("rows", good, lambda data: _entry(data, "me"), ())
 
 
 def _grid() -> Parser:
-    from mmcs.sweeps.plan import parse_grid
-
     return Parser("grid", b"axis.0.b0=80..100:5", lambda d: parse_grid(d.decode(errors="replace")))
 
 
@@ -101,9 +97,6 @@ def _packets(folder: Path, name: str, good: bytes, kind, cut, first: bytes = b""
     """Of a server's connections of this kind, which are given packets by hand as `cut` makes them
     of an input; their answers go nowhere. first: for one that stays open, in whatever state inputs
     leave it."""
-    from mmcs import load, machine
-    from mmcs.device.server import Server
-
     servers: list[Server] = []
 
     def feed(*packets: bytes):
@@ -123,7 +116,7 @@ def _packets(folder: Path, name: str, good: bytes, kind, cut, first: bytes = b""
         if not servers:
             text = (ROOT / "sim" / "scenarios" / "basic" / "lab500.toml").read_bytes()
             setup = load(_written(folder / f"{name}.toml", text))
-            servers.append(Server(machine(setup), folder / name / "mc0.sock", None))
+            servers.append(Server(mmcs.machine(setup), folder / name / "mc0.sock", None))
             feed(*[first] * bool(first))
         connection = feed(*cut(data))
         connection.close()
@@ -133,10 +126,6 @@ def _packets(folder: Path, name: str, good: bytes, kind, cut, first: bytes = b""
 
 
 def _wire(folder: Path) -> Parser:
-    from mmcs import mcdef
-    from mmcs.device import wire
-    from mmcs.device.programs import Program
-
     def request(op, a, data=b""):
         return wire.REQUEST.pack(wire.MAGIC, op, 1, a, 0, len(data), 1) + data
 
@@ -150,8 +139,6 @@ def _wire(folder: Path) -> Parser:
 
 
 def _messages(folder: Path) -> Parser:
-    from mmcs.device.messages import LENGTH, Messenger
-
     def cut(data):
         return [LENGTH.pack(len(text)) + text if text else b"" for text in data.split(b"\n")]
 
@@ -170,8 +157,6 @@ def _messages(folder: Path) -> Parser:
 
 
 def _stop(folder: Path) -> Parser:
-    from mmcs.device.stop import Stop
-
     def cut(data):
         return [data[n : n + 64] for n in range(0, len(data), 64)]
 
