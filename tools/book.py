@@ -11,13 +11,13 @@ import inspect
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import mmcs
 from mmcs import BUILD, ROOT
+from tools.compiled import ran
 from tools.pages import aged, told_age
 
 DOCS = ROOT / "docs"
@@ -153,9 +153,8 @@ def write_source(path: Path, source: Path, wanted: set[Path]) -> None:
         target.write_text(chapter(path.read_text(), path, wanted))
     else:
         language = LANGUAGES.get(path.suffix, "text")
-        fence = "~~~~~~"
         head = f"---\nsearch:\n  exclude: true\n---\n# {path.relative_to(ROOT)}\n\n"
-        target.write_text(f"{head}{fence} {language}\n{path.read_text()}\n{fence}\n")
+        target.write_text(f"{head}~~~~~~ {language}\n{path.read_text()}\n~~~~~~\n")
 
 
 def nav() -> str:
@@ -190,11 +189,9 @@ def nav() -> str:
 
 def build() -> None:
     """Any link that leads nowhere ends it."""
-    made = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", STAGE / "mkdocs.yml"],
-        text=True, capture_output=True, check=False,
-        env={**os.environ, "NO_MKDOCS_2_WARNING": "1", "DISABLE_MKDOCS_2_WARNING": "true"},
-    )  # fmt: skip
+    quiet = {"NO_MKDOCS_2_WARNING": "1", "DISABLE_MKDOCS_2_WARNING": "true"}
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", STAGE / "mkdocs.yml"]
+    made = ran(*command, env=os.environ | quiet)
     if made.returncode:
         sys.stderr.write(made.stdout + made.stderr)
         raise SystemExit("mmcs: the book does not build; see above")

@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,17 +26,13 @@ class CompileError(Exception):
 
 
 def compiled(
-    name: str,
-    command: list,
-    sources: list,
-    after: list | None = None,
-    reads: list[Path] | None = None,
+    name: str, command: list, sources: list, after: Sequence = (), reads: Sequence[Path] = ()
 ) -> Path:
     """The file that `command sources after -o FILE` makes; what `after` names by path counts too.
 
     reads: what the compiler reads without telling. What it refuses is a CompileError, each time.
     """
-    words = [str(w) for w in (*command, *sources, *(after or ()))]
+    words = [str(w) for w in (*command, *sources, *after)]
     tool = Path(shutil.which(words[0]) or words[0]).resolve()
     if not tool.is_file():
         raise FileNotFoundError(words[0])
@@ -44,7 +41,7 @@ def compiled(
     folder = STORE / f"{name}-{hashlib.sha256(told.encode()).hexdigest()[:12]}"
     with locked(folder.with_suffix(".lock")):
         if not _is_fresh(folder):
-            _make(folder, name, words, reads or [])
+            _make(folder, name, words, reads)
     return folder / name
 
 
@@ -93,7 +90,7 @@ def _run(words: list[str]) -> str:
     return done.stdout
 
 
-def _make(folder: Path, name: str, words: list[str], reads: list[Path]) -> None:
+def _make(folder: Path, name: str, words: list[str], reads: Sequence[Path]) -> None:
     made = Path(tempfile.mkdtemp(dir=STORE))
     try:
         _run([*words, "-o", str(made / name)])
@@ -103,9 +100,8 @@ def _make(folder: Path, name: str, words: list[str], reads: list[Path]) -> None:
             found = re.split(r"(?<!\\)\s+", rule.partition(": ")[2])
             read.update(word.replace("\\ ", " ") for word in found if word)
         paths = sorted({os.path.abspath(ROOT / p) for p in read if os.path.isfile(ROOT / p)})
-        (made / "made_of.json").write_text(
-            json.dumps({p: _digest(Path(p)) for p in paths}, indent=1)
-        )
+        made_of = {path: _digest(Path(path)) for path in paths}
+        (made / "made_of.json").write_text(json.dumps(made_of, indent=1))
         shutil.rmtree(folder, ignore_errors=True)
         made.rename(folder)
     finally:

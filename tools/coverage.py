@@ -129,10 +129,8 @@ def report(points: Counter, some: bool) -> int:
         hit, all_, excepted = sums[kind]
         percent = 100 * hit / all_ if all_ else 0.0
         ok &= percent >= goal
-        print(
-            f"coverage: {kind:6s} {percent:6.2f} % ({hit} of {all_}), goal {goal:g} %; "
-            f"{excepted} points excepted"
-        )
+        told = f"{percent:6.2f} % ({hit} of {all_}), goal {goal:g} %; {excepted} points excepted"
+        print(f"coverage: {kind:6s} {told}")
     print(f"coverage: {len(allowed.entries)} exceptions; report in build/coverage/report.txt")
     return 0 if ok else 1
 

@@ -4,13 +4,13 @@ file out there."""
 
 import argparse
 import resource
-import subprocess
 import sys
 from pathlib import Path
 
 from mmcs import ROOT, InputError, RunError, load, make_env, write_setup
 from mmcs.files import short
 from mmcs.place import results
+from tools.compiled import ran
 
 BUILT = ROOT / "build" / "sim" / "dpi"
 
@@ -19,9 +19,7 @@ def bench(cards: int, clk_hz: int = 8_000_000, trace: bool = False, **other: str
     """The testbench's program; other: variables of sim/dpi/Makefile (SOURCES, with a NAME)."""
     variables = {"CARDS": cards, "CLK_HZ": clk_hz, "TRACE": "1" if trace else "", **other}
     command = ["make", "-s", "-f", "sim/dpi/Makefile", *(f"{k}={v}" for k, v in variables.items())]
-    done = subprocess.run(
-        command, cwd=ROOT, env=make_env(), capture_output=True, text=True, check=False
-    )
+    done = ran(*command, env=make_env())
     if done.returncode:
         said = (done.stderr + done.stdout).strip().splitlines() or ["no output"]
         telling = [line for line in said if "rror" in line]
@@ -38,9 +36,7 @@ def run(program: Path, setup: Path, folder: Path, trace: Path | None = None, **h
         command.append(f"+trace={trace}")
     # $fatal, the word for a bad end, is an abort in Verilator: no core is wanted of it.
     no_core = lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # noqa: E731
-    return subprocess.run(
-        [str(w) for w in command], cwd=ROOT, check=False, preexec_fn=no_core, **how
-    )
+    return ran(*command, preexec_fn=no_core, **{"capture_output": False} | how)
 
 
 def main() -> int:

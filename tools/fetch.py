@@ -28,7 +28,6 @@ SETTINGS = {
     "default-timeout": ["UV_HTTP_TIMEOUT"],
     "timeout": ["UV_HTTP_TIMEOUT"],
 }
-ALWAYS = {"UV_SYSTEM_CERTS": "1"}
 REMEDIES = [  # words of a failure, what to do
     (("certificate", "self-signed", "self signed", "unknownissuer", "tls"),
      "a proxy has its own certificate: install it in the system, or"
@@ -42,7 +41,7 @@ REMEDIES = [  # words of a failure, what to do
 
 def environment() -> dict[str, str]:
     """Of the installer: pip's settings, unless the variable is set already."""
-    given = dict(ALWAYS)
+    given = {"UV_SYSTEM_CERTS": "1"}
     for python in (sys._base_executable, sys.executable):  # one of them has pip
         asked = [python, "-m", "pip", "config", "list"]
         told = subprocess.run(asked, text=True, capture_output=True, check=False)

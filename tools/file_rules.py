@@ -2,13 +2,11 @@
 """Rules for files as files: licence line, length, README's shape; and those of rtl_rules.py."""
 
 import argparse
-import subprocess
 import sys
-from pathlib import Path
 
 from tools import rtl_rules
+from tools.compiled import ROOT, ran
 
-ROOT = Path(__file__).resolve().parent.parent
 # Whatever writes a file, a person reads it: nobody is exempt from the length for being generated.
 CODE = {".py", ".sv", ".svh", ".c", ".h", ".cpp", ".sh", ".rdl", ".toml", ".sby", ".S", ".ld"}
 CODE |= {".js", ".mjs", ".css", ".html", ".vlt", ".yaml", ".yml"}
@@ -19,9 +17,7 @@ FIRST_COMMAND = 25
 
 
 def tracked(*patterns: str) -> list[str]:
-    out = subprocess.run(
-        ["git", "ls-files", *patterns], cwd=ROOT, check=True, text=True, capture_output=True
-    ).stdout.split()
+    out = ran("git", "ls-files", *patterns, check=True).stdout.split()
     return [f for f in out if (ROOT / f).is_file()]
 
 

@@ -14,7 +14,6 @@ without a depth. What a .sby file calls
 `# slow task NAME: reason` is left out by --fast. Logs and traces stay in build/formal.
 """
 
-import argparse
 import functools
 import os
 import re
@@ -23,6 +22,7 @@ import shutil
 import subprocess
 import sys
 import time
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -94,22 +94,18 @@ def text(file: Path) -> str:
         raise SystemExit(f"formal: {file.name} has no [options]: write its depths there")
     if "[tasks]" not in own:
         own = own.replace("[options]", f"{TASKS}\n\n[options]", 1)
+    every = {"{part}": dict.fromkeys((*rules["boards"], *rules["chips"])),
+             "{card}": rules["selected"]}  # fmt: skip
     for line in own.replace("{strobes}", STROBES).splitlines():
-        for word, every in (("{part}", dict.fromkeys((*rules["boards"], *rules["chips"]))),
-                            ("{card}", rules["selected"])):  # fmt: skip
-            if word in line:
-                lines += [line.replace(word, name) for name in every]
-                break
-        else:
-            lines.append(line)
-    at = lines.index("[options]") + 1
+        word = next((word for word in every if word in line), "")
+        lines += [line.replace(word, name) for name in every[word]] if word else [line]
     tasks = _tasks(file, "\n".join(lines))
-    lines[at:at] = [f"{task}: mode {mode_of(task)}" for task in tasks]
+    modes = [f"{task}: mode {mode_of(task)}" for task in tasks]
     deep = "prove: depth" in own
     engines = [f"{t}: {'smtbmc yices' if deep or mode_of(t) != 'prove' else 'abc pdr'}"
                for t in tasks]  # fmt: skip
     at = lines.index("[options]")
-    lines[at:at] = ["[engines]", *engines, ""]
+    lines[at : at + 1] = ["[engines]", *engines, "", "[options]", *modes]
     try:
         out = re.sub(r"\{([\w ]+)\}", lambda m: " ".join(f.name for f in made_of(*m[1].split())),
                      "\n".join(lines))  # fmt: skip
@@ -136,12 +132,9 @@ def tasks(file: Path) -> list[str]:
 def _tasks(file: Path, whole: str) -> list[str]:
     section = re.search(r"^\[tasks\]\n(.*?)(?=^\[)", whole, re.S | re.M)
     names = [line.split()[0] for line in section[1].splitlines() if line.strip()] if section else []
-    odd = [n for n in names if not mode_of(n)]
-    if odd or not names:
-        what = odd[0] if odd else "(none)"
-        raise SystemExit(
-            f"formal: {file.name}: task {what}: name tasks prove*, bmc* or cover* in [tasks]"
-        )
+    if odd := [n for n in names or ["(none)"] if not mode_of(n)]:
+        told = f"task {odd[0]}: name tasks prove*, bmc* or cover* in [tasks]"
+        raise SystemExit(f"formal: {file.name}: {told}")
     return names
 
 
@@ -247,16 +240,13 @@ def write_doc(files: list[Path], results: list[Result], cpu: float) -> None:
         title = re.search(r"^# (?!SPDX|slow|rules|wires)(.*)$", file.read_text(), re.M)[1]
         status = ", ".join(sorted({r.status() for r in mine if r.mode != "cover"}))
         seconds = sum(r.seconds for r in mine)
-        lines.append(
-            f"| `{file.stem}` | {title} | {len(properties(file))} | {status} | {seconds:.0f} |"
-        )
+        cells = (f"`{file.stem}`", title, str(len(properties(file))), status, f"{seconds:.0f}")
+        lines.append(f"| {' | '.join(cells)} |")
     rewrite(DOC, "proofs", "\n".join(lines), "make .venv/.formal; tools/formal.py --doc", FOLDERS)
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--fast", action="store_true", help="without the tasks marked slow")
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--doc", action="store_true")
@@ -278,10 +268,9 @@ def main() -> int:
     cpu = used.ru_utime + used.ru_stime
     bad = [r for r in results if r.verdict != "PASS"]
     count = sum(len(properties(f)) for f in files)
-    print(
-        f"formal: {count} properties in {len(files)} groups, {len(results) - len(bad)} of"
-        f" {len(results)} tasks pass, {took:.0f} s, processors {cpu:.0f} s"
-    )
+    passed = f"{len(results) - len(bad)} of {len(results)} tasks pass"
+    times = f"{took:.0f} s, processors {cpu:.0f} s"
+    print(f"formal: {count} properties in {len(files)} groups, {passed}, {times}")
     if args.doc and not (args.only or args.fast):
         write_doc(files, results, cpu)
     return 1 if bad else 0

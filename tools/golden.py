@@ -51,7 +51,6 @@ def same(name: str, text: str, file: Path = FILE) -> None:
         return
     found = difflib.SequenceMatcher(a=before or [], b=now, autojunk=False).get_opcodes()
     new = [part for tag, _, _, a, b in found if tag != "equal" for part in parts[a:b]]
-    told = [f"{name}: not as before, or lines of before are gone:", *new]
-    pytest.fail(
-        "\n".join([*told, "if that is meant: MMCS_WRITE=1 pytest this test"]), pytrace=False
-    )
+    told = f"{name}: not as before, or lines of before are gone:"
+    meant = "if that is meant: MMCS_WRITE=1 pytest this test"
+    pytest.fail("\n".join([told, *new, meant]), pytrace=False)

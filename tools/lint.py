@@ -3,7 +3,6 @@
 
 import argparse
 import os
-import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -11,11 +10,11 @@ from pathlib import Path
 
 from fpga.build import BUS, TARGETS
 from tools import libraries
+from tools.compiled import ROOT, ran
 from tools.file_rules import tracked
 from tools.pages import told_age
 from tools.sources import sources
 
-ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "sim/model"))
 from parts import RULES  # noqa: E402
 
@@ -45,9 +44,7 @@ def model_flags() -> list[str]:
     """How the simulator's build sees sim/model; what it includes is made of the design first."""
     make = ["make", "-s", "-f", "sim/Makefile", "CARDS=1", "KIND=trust"]
     for target in ("generated", "flags"):
-        done = subprocess.run(
-            [*make, target], cwd=ROOT, check=False, text=True, capture_output=True
-        )
+        done = ran(*make, target)
         if done.returncode:
             raise SystemExit(f"lint: {' '.join(make)} {target} failed\n{done.stderr[-2000:]}")
     return done.stdout.split()
@@ -56,11 +53,8 @@ def model_flags() -> list[str]:
 def checks() -> list[tuple[str, list[str]]]:
     rtl = [str(f) for f in sources("rtl")]
     all_sv = tracked("*.sv", "*.svh")
-    c_files = [
-        f
-        for f in tracked("firmware/*.[ch]", "bridges/*.c", "sim/*.[ch]", "*.cpp")
-        if not f.endswith("mmcs_regs.h")
-    ]
+    c_files = tracked("firmware/*.[ch]", "bridges/*.c", "sim/*.[ch]", "*.cpp")
+    c_files = [f for f in c_files if not f.endswith("mmcs_regs.h")]
     of_model = model_flags()
     jobs = []
     verilator = ["verilator", "--lint-only", "-Wall", "--assert", f"-I{INCLUDE}"]
@@ -124,7 +118,7 @@ def checks() -> list[tuple[str, list[str]]]:
 def run(job: tuple[str, list[str]]) -> tuple[str, bool, str, float]:
     name, command = job
     start = time.monotonic()
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+    done = ran(*command)
     text = (done.stdout + done.stderr).strip()
     ok = done.returncode == 0 and not (name.split()[0] in ("icarus", "verible") and text)
     return name, ok, text, time.monotonic() - start

@@ -10,11 +10,11 @@ they are; with a commit and folders it prints their mark, for a row of a table o
 import argparse
 import datetime
 import re
-import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from tools.compiled import ROOT, ran
+
 MARK = re.compile(r"<!-- of ((?:[\w./-]+@\w+ ?)+)-->")
 
 
@@ -30,7 +30,11 @@ def part(text: str, name: str) -> str:
 
 def splice(text: str, name: str, content: str) -> str:
     """The page with this content there; it must have the two marks."""
-    begin, end = marks(name)
+    return between(text, *marks(name), content)
+
+
+def between(text: str, begin: str, end: str, content: str) -> str:
+    """The text with this content between two marks of it."""
     if begin not in text or end not in text:
         print(f'pages: the page has no lines "{begin.strip()}" and "{end}"', file=sys.stderr)
         raise SystemExit(2)
@@ -62,8 +66,7 @@ def rewrite(page: Path, name: str, content: str, command: str, folders: str) -> 
 
 
 def _git(*words: str) -> str:
-    done = subprocess.run(["git", "-C", ROOT, *words], text=True, capture_output=True, check=False)
-    return done.stdout.strip()
+    return ran("git", *words, cwd=ROOT).stdout.strip()
 
 
 def digests(folders: list[str], commit: str = "HEAD") -> list[str]:

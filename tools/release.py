@@ -11,14 +11,13 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from mmcs import __version__
+from tools.compiled import ROOT, ran
 
-ROOT = Path(__file__).resolve().parent.parent
 LOCK = ROOT / "requirements.lock"
 DIST, SCENARIO = ROOT / "dist", "puma560"
 UV = [sys.executable, "-m", "uv"]
@@ -26,22 +25,19 @@ UV = [sys.executable, "-m", "uv"]
 
 def versions() -> dict[str, str]:
     """The version, wherever it is written."""
+    citation = (ROOT / "CITATION.cff").read_text()
     log = (ROOT / "CHANGELOG.md").read_text()
     project = (ROOT / "pyproject.toml").read_text()
     return {
         "mmcs/__init__.py": __version__,
         "pyproject.toml": re.search(r'^version = "([^"]+)"', project, re.M)[1],
-        "CITATION.cff": re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.M)[
-            1
-        ],
+        "CITATION.cff": re.search(r"^version: (\S+)$", citation, re.M)[1],
         "CHANGELOG.md": re.search(r"^## \[(\d[^]]*)\]", log, re.M)[1],
     }
 
 
 def run(command: list, **options) -> str:
-    done = subprocess.run(
-        [str(part) for part in command], text=True, capture_output=True, check=False, **options
-    )
+    done = ran(*command, **options)
     if done.returncode:
         said = (done.stderr or done.stdout).strip().splitlines() or ["no output"]
         raise SystemExit(f"release: {' '.join(map(str, command[:4]))}: {said[-1]}")
@@ -52,8 +48,7 @@ def alone() -> list[str]:
     """What to begin a command with, so that it has no network; nothing where that cannot be had."""
     if not shutil.which("unshare"):
         return []
-    done = subprocess.run(["unshare", "-rn", "true"], capture_output=True, check=False)
-    return ["unshare", "-rn"] if done.returncode == 0 else []
+    return ["unshare", "-rn"] if ran("unshare", "-rn", "true").returncode == 0 else []
 
 
 def hash_of(folder: Path) -> str:

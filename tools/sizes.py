@@ -4,20 +4,19 @@ present numbers where they are smaller."""
 
 import argparse
 import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from tools.compiled import ROOT, ran
+
 TABLE = ROOT / "tools" / "sizes.toml"
 NOT_COUNTED = (":!*.svg", ":!*.lock", ":!*package-lock*")
 
 
 def lines(rows: list[str]) -> dict[str, int]:
     """Lines of the text files of each row; a file is of the row with its innermost folder."""
-    command = ["git", "grep", "-Ic", "", "--", ".", *NOT_COUNTED]
-    done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=True)
+    done = ran("git", "grep", "-Ic", "", "--", ".", *NOT_COUNTED, check=True)
     owners = {Path(folder): row for row in rows for folder in row.split()}
     found = dict.fromkeys(rows, 0)
     for name, _, count in (line.rpartition(":") for line in done.stdout.splitlines()):

@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT))
 from cocotbext.conformance import CHIPS  # noqa: E402
 
 from mmcs import inputs, mcdef  # noqa: E402
-from tools.pages import splice  # noqa: E402
+from tools.pages import between, splice  # noqa: E402
 
 HEADER = ROOT / "firmware" / "include" / "mcdef.h"
 DRIVER = ROOT / "docs" / "use" / "driver.md"
@@ -90,12 +90,8 @@ def sheets() -> str:
         inputs, outputs = ([f"`{name}`" + f" [{width}]" * (width > 1) for name, width in p.values()]
                            for p in both)  # fmt: skip
         variants = ", ".join(f"`{name}`" for name in kind.VARIANTS if name)
-        lines += [
-            f"## {chip}",
-            "",
-            kind.SHEET + f". Variants: {variants}" * bool(variants) + ".",
-            "",
-        ]
+        sheet = kind.SHEET + f". Variants: {variants}" * bool(variants) + "."
+        lines += [f"## {chip}", "", sheet, ""]
         lines += [f"Inputs: {', '.join(inputs)}. Outputs: {', '.join(outputs)}.", ""]
         lines += ["| section | rows |", "|---|---|"]
         for section in dict.fromkeys(row.section for row in kind.ROWS):
@@ -106,17 +102,11 @@ def sheets() -> str:
     return "\n".join(lines)
 
 
-def between(text: str, begin: str, end: str, content: str) -> str:
-    """The text with this between two lines."""
-    pattern = re.escape(begin) + r"\n.*?" + re.escape(end)
-    return re.sub(pattern, lambda _: f"{begin}\n{content}\n{end}", text, count=1, flags=re.S)
-
-
 def pages() -> dict[Path, str]:
     """Each file as it should be."""
-    begin, end = "/* generated: requests of requests.def */", "/* end of requests */"
-    fields = "// generated: fields of mcdef.h", "// end of fields"
-    numbers = "// generated: numbers of mcdef.h", "// end of numbers"
+    begin, end = "/* generated: requests of requests.def */\n", "/* end of requests */"
+    fields = "// generated: fields of mcdef.h\n", "// end of fields"
+    numbers = "// generated: numbers of mcdef.h\n", "// end of numbers"
     return {
         HEADER: between(HEADER.read_text(), begin, end, defines()),
         DRIVER: splice(DRIVER.read_text(), "requests", driver_table()),

@@ -9,15 +9,14 @@ whose test carries its id nor a reason (tools/mutation/faults.toml).
 import argparse
 import json
 import re
-import subprocess
 import sys
 import tempfile
 import tomllib
 from pathlib import Path
 
+from tools.compiled import ROOT, ran
 from tools.mutation import faults
 
-ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "build" / "traceability.md"
 # Tests that hold no RTL, and what they hold: of a requirement of rtl/ they show nothing.
 WITHOUT_RTL = {
@@ -34,8 +33,8 @@ def collect() -> dict[str, list[str]]:
     """{pytest node id: requirement ids}, by pytest's own collection; runs no test."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "req.json"
-        command = [sys.executable, "-m", "pytest", "--collect-only", "-qq", "--req-json", out]
-        done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+        options = ("--collect-only", "-qq", "--req-json", out)
+        done = ran(sys.executable, "-m", "pytest", *options)
         if done.returncode or not out.is_file():
             sys.exit(f"trace: the tests cannot be collected\n{done.stdout[-3000:]}{done.stderr}")
         return json.loads(out.read_text())

@@ -77,14 +77,12 @@ def write() -> None:
     for cards in CARDS:
         made = BUILD / "sim" / f"web_c{cards}"
         shutil.copy(made / "mmcs_sim.wasm", fresh / "engine" / f"machine{cards}.wasm")
-        text = (made / "mmcs_sim.mjs").read_text()
-        (fresh / "engine" / f"machine{cards}.mjs").write_text(
-            text.replace("mmcs_sim.wasm", f"machine{cards}.wasm")
-        )
+        text = (made / "mmcs_sim.mjs").read_text().replace("mmcs_sim.wasm", f"machine{cards}.wasm")
+        (fresh / "engine" / f"machine{cards}.mjs").write_text(text)
     (fresh / "engine" / "knowledge.json").write_text(json.dumps(knowledge()))
     (fresh / "engine" / "labs.json").write_text(json.dumps(labs.everything()))
     (fresh / "engine" / "setups").mkdir()
-    found = scenarios()
+    found = list(filter(None, map(setup, sorted(named()))))
     for one in found:
         (fresh / "engine" / "setups" / f"{one['name']}.json").write_text(json.dumps(one))
     listed = [{k: one[k] for k in ("name", "folder", "description")} for one in found]
@@ -116,6 +114,7 @@ def _write_cache(folder: Path) -> None:
 def knowledge() -> dict:
     """Structures as a WebAssembly machine lays them out, and the numbers of mcdef.h."""
     constants = {n: v for n, v in mcdef.constants().items() if -(2**31) <= v < 2**32}
+    errors = {number: [name, os.strerror(number)] for number, name in errno.errorcode.items()}
     return {
         "version": __version__,
         "layouts": {name.removeprefix("struct "): layout(name) for name in STRUCTURES},
@@ -125,17 +124,9 @@ def knowledge() -> dict:
             "FLAGS": mcdef.FLAGS,
             "READS": [r.name for r in mcdef.requests().values() if not r.changes],
             "CALLED": [r.name for r in mcdef.requests().values() if r.called],
-            "PROTOCOL": protocol(),
+            "PROTOCOL": {"errors": errors, "param": mcdef.fields("mc_param")},
         },
         "waves": groups(),
-    }
-
-
-def protocol() -> dict:
-    """What both servers of the messages have."""
-    return {
-        "errors": {number: [name, os.strerror(number)] for number, name in errno.errorcode.items()},
-        "param": mcdef.fields("mc_param"),
     }
 
 
@@ -151,13 +142,8 @@ def layout(name: str) -> dict:
     return {"size": -(-at // widest) * widest, "fields": fields}
 
 
-def scenarios() -> list[dict]:
-    """Those that a page can carry out, as the native session does."""
-    found = [setup(name) for name in sorted(named())]
-    return [one for one in found if one]
-
-
 def setup(name: str) -> dict | None:
+    """None if a page cannot carry the scenario out as the native session does."""
     made = load(name)
     scenario = made.scenario
     usual = scenario.clk_hz == 8_000_000 and scenario.heartbeat_us == 50_000

@@ -11,7 +11,6 @@ Score = killed / (killed + survived). SHARE=0 to 9 mutates a tenth of the files.
 LEAST of at least 20 mutants is killed: some differ in nothing that a test can see.
 """
 
-import argparse
 import ast
 import contextlib
 import io
@@ -19,11 +18,12 @@ import os
 import random
 import re
 import shutil
-import subprocess
 import sys
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from tools.compiled import ran
 from tools.mutation import faults
 from tools.share import mixed, shared
 
@@ -84,9 +84,7 @@ def builds(mutant: dict) -> bool:
     command = [*language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", *include, "-"]
     if path.suffix == ".js":
         command = [Path(sys.executable).with_name("node"), "--input-type=module", "--check"]
-    told = subprocess.run(command, input=mutant["text"], cwd=path.parent, text=True,
-                          capture_output=True, check=False)  # fmt: skip
-    return told.returncode == 0
+    return ran(*command, input=mutant["text"], cwd=path.parent).returncode == 0
 
 
 def _code(text: str) -> str | None:
@@ -125,9 +123,7 @@ def fates(file: str, suite: str) -> list[bool]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", metavar="TEXT")
     args = parser.parse_args()
     suites = files()

@@ -7,21 +7,20 @@
 The tests must pass on the project as it is. SHARE=0 to 9 runs a tenth of the faults.
 """
 
-import argparse
 import os
 import re
 import shutil
-import subprocess
 import sys
 import time
 import tomllib
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from tools import formal
+from tools.compiled import ROOT, ran
 from tools.share import shared
 
-ROOT = Path(__file__).resolve().parents[2]
 LIST = ROOT / "tools" / "mutation" / "faults.toml"
 WORK = Path("build") / "faults"  # relative: the provers see the folder they are started in
 CPU_S = 900  # of processor time for a process of a broken design: it hangs, and that is noticed
@@ -65,9 +64,7 @@ def seed(fault: dict, folder: Path) -> str | None:
     return None
 
 
-def pytest(
-    tests: list[str], folder: Path, *options: str, cpu_s: int = CPU_S
-) -> subprocess.CompletedProcess:
+def pytest(tests: list[str], folder: Path, *options: str, cpu_s: int = CPU_S):
     """Tests of cocotb run on the RTL of the folder, others in it."""
     env = os.environ | {"MMCS_BUILD": str(folder / "build"), "MMCS_RTL": str(folder / "rtl"),
                         "MMCS_RANDOM_OPS": "2000", "PYTHONPATH": str(folder)}  # fmt: skip
@@ -76,11 +73,9 @@ def pytest(
     if not cocotb:
         del env["MMCS_BUILD"]
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *options, *tests]
-    return subprocess.run(
-        ["prlimit", f"--cpu={cpu_s}", *command, *(["--sim", "icarus"] if cocotb else [])],
-        cwd=ROOT if cocotb else folder, env=env, text=True, capture_output=True, check=False,
-        timeout=WALL_S,
-    )  # fmt: skip
+    command += ["--sim", "icarus"] if cocotb else []
+    where = ROOT if cocotb else folder
+    return ran("prlimit", f"--cpu={cpu_s}", *command, cwd=where, env=env, timeout=WALL_S)
 
 
 def by_test(fault: dict, folder: Path) -> str | None:
@@ -134,9 +129,7 @@ def run(faults: list[dict], judge) -> int:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["tests", "proofs"])
     parser.add_argument("--only", default="", metavar="TEXT")
     args = parser.parse_args()

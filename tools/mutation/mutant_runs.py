@@ -11,6 +11,10 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from cocotb._decorators import TestGenerator
+
+from cocotb_tests.lib import req as marks
+from cocotb_tests.lib import runner
 from tools.mutation.mutants import ROOT, TOPS, WORK, Mutant, equivalent
 
 WALL_S = 6 * 3600  # a guard against what hangs without computing; busy machines are slow
@@ -32,10 +36,6 @@ class Group:
 
 def groups(top: str) -> list[Group]:
     """The simulations of a top's mutants: one for each set of parameters, and module on top."""
-    from cocotb._decorators import TestGenerator
-
-    from cocotb_tests.lib import req as marks
-    from cocotb_tests.lib import runner
 
     def find(name: str) -> tuple:
         name, _, variant = name.partition(":")
@@ -51,10 +51,8 @@ def groups(top: str) -> list[Group]:
         top = runner.toplevel(module, variant)
         base = Path(module.__file__).parent
         extra = tuple((base / s).resolve() for s in getattr(module, "SOURCES", ()))
-        group = found.setdefault(
-            (top, parameters),
-            Group(runner.Job("", top, "verilator", parameters, extra), []),
-        )
+        job = runner.Job("", top, "verilator", parameters, extra)
+        group = found.setdefault((top, parameters), Group(job, []))
         for attribute, it in vars(module).items():
             if not isinstance(it, TestGenerator) or it.module != module.__name__:
                 continue
@@ -67,8 +65,6 @@ def groups(top: str) -> list[Group]:
 
 def built(top: str, group: Group):
     """The runner of a group, built from the tree that holds the mutants."""
-    from cocotb_tests.lib import runner
-
     os.environ["MMCS_RTL"] = str(ROOT / WORK / top / "tree" / "rtl")
     os.environ["MMCS_BUILD"] = str(ROOT / WORK / "sim")
     store = runner.build_root() / "objects"
@@ -134,8 +130,6 @@ def write_tests(folder: Path, group: Group, numbers: list[int]) -> None:
 
 def simulate(top: str, group: Group, numbers: list[int]) -> Path:
     """Runs a group's tests on some mutants, or on none; the folder of it."""
-    from cocotb_tests.lib import runner
-
     sim, job = built(top, group), group.job
     folder = sim.build_dir / f"mutants-{os.getpid()}"
     shutil.rmtree(folder, ignore_errors=True)

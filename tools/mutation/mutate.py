@@ -17,7 +17,6 @@ can see stand in waivers.toml, each with its reason. Exit 1 if the unbroken desi
 or if more than a twentieth of the relevant mutants survives without a waiver.
 """
 
-import argparse
 import json
 import multiprocessing
 import os
@@ -26,6 +25,7 @@ import shutil
 import sys
 import time
 import tomllib
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from dataclasses import asdict
 
 from tools.mutation.mutant_runs import BATCH, baseline, fates
@@ -98,9 +98,7 @@ def table(mutants: list[Mutant]) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", metavar="TEXT", help="tops or modules so called")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--write", action="store_true")

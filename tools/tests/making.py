@@ -7,6 +7,7 @@ import itertools
 import json
 import os
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +17,10 @@ import pytest
 from fpga import build
 from mmcs import load
 from studies import lockstep, replay
-from tools import abc_for_sby, book, coverage, dpi, release, setup_venv, website
+from tools import abc_for_sby, book, coverage, dpi, fetch, pages, release, setup_venv, website
+from tools.compiled import ran
+
+PAGE = "before\n<!-- generated: x -->\nold\n<!-- end of x -->\nafter\n"
 
 
 def release_of(tried):
@@ -47,9 +51,21 @@ def release_of(tried):
         tried.put(release, versions=lambda: {"a": "1", "b": "1"})
     tried.put(release.shutil, which=lambda name: name == "unshare")
     for code in (0, 1):
-        tried.note(release.subprocess, run=SimpleNamespace(returncode=code))
+        tried.note(subprocess, run=SimpleNamespace(returncode=code))
         ends.append(told[1]())
     return told[0], ends
+
+
+def fetch_of(tried):
+    tried.put(fetch, environment=dict)
+    script = "import sys; print(*range(30), sep='\\n', flush=True); sys.exit({!r})"
+    ends = []
+    told = ("npm error code SELF_SIGNED_CERT_IN_CHAIN: self-signed certificate", None,
+            "error: No space left on device (os error 28)", "Hash mismatch for `x`")  # fmt: skip
+    for last in told:
+        command = [sys.executable, "-c", script.format(last)]
+        ends.append(tried.end(fetch, "the tools", *command))
+    return ends
 
 
 def dpi_of(tried):
@@ -60,7 +76,7 @@ def dpi_of(tried):
         fails = "CARDS=3" in command or "+trace" in command[-1]
         return SimpleNamespace(returncode=int(fails), stdout="b\n%Error: c", stderr="a\n")
 
-    tried.put(dpi.subprocess, run=run)
+    tried.put(subprocess, run=run)
     tried.put(dpi, make_env=dict, ROOT="root", results=lambda kind, path: tried.folder / kind)
     tried.note(dpi, write_setup=None, load=lambda *a: (one := load(*a)) and SimpleNamespace(
         name=one.name, path=one.path, scenario=SimpleNamespace(
@@ -93,12 +109,12 @@ def abc_for_sby_of(tried):
     ends = []
     for text in ("snl_UNSAT 4", "snl_SAT 12 x", "snl_UNK -1", "", None):
 
-        def run(command, text=text, **_):
+        def run(command, told=text, **_):
             tried.called.append((command, *sorted(os.listdir())))
-            if text is not None:
-                abc_for_sby.STATUS.write_text(text)
+            if told is not None:
+                abc_for_sby.STATUS.write_text(told)
 
-        tried.put(abc_for_sby.subprocess, run=run)
+        tried.put(subprocess, run=run)
         ends.append(tried.main(abc_for_sby, "-c", "read a; pdr -v -l -x; write_cex b"))
     return ends, abc_for_sby.SCRIPT.read_text(), abc_for_sby.GATE.read_text()
 
@@ -125,7 +141,7 @@ def book_of(tried):
             return SimpleNamespace(returncode=code, stdout="out", stderr="err")
 
         tried.put(book.os, environ={"PATH": "p"})
-        tried.put(book.subprocess, run=run)
+        tried.put(subprocess, run=run)
         ends.append(tried.end(book))
     made = sorted(path for path in build.rglob("*") if path.is_file())
     return ends, [(path, path.read_text()) for path in made]
@@ -171,6 +187,30 @@ def replay_of(tried):
     return made, str(end.value), [(path, path.read_text().splitlines()) for path in files]
 
 
+DAY = SimpleNamespace(date=SimpleNamespace(today=lambda: datetime.date(2026, 1, 2)))
+
+
+def pages_of(tried):
+    """A checkout of another project: two folders, and a page with a measured table."""
+    root = tried.files({"rtl/a.sv": "one", "sim/b.cpp": "one", "docs/page.md": PAGE})
+    page, git = root / "docs" / "page.md", ["git", "-C", root]
+    git += ["-c", "user.name=x", "-c", "user.email=x@x"]
+    commit = ("init", "-q"), ("add", "."), ("commit", "-qm", "x")
+    tried.put(pages, ROOT=root, datetime=DAY)
+    for who in ("AUTHOR", "COMMITTER"):
+        tried.patch.setenv(f"GIT_{who}_DATE", "2026-01-01T00:00:00Z")
+    changes = ({}, {"docs/more.md": "of no figure"}, {"rtl/a.sv": "two"}, {"sim/b.cpp": "two"})
+    asked, ends = ("rtl sim", "rtl sim", "rtl sim", "gone sim"), []
+    for folders, texts in zip(asked, changes, strict=True):
+        tried.files(texts)
+        for commands in ((), commit):
+            for words in commands:
+                ran(*git, *words, check=True)
+            ends.append(tried.tells(pages.rewrite, page, "x", "| 1 |", "make x", folders))
+            ends.append((page.read_text(), pages.aged(page.read_text()), pages.old_ones()))
+    return ends, tried.tells(pages.splice, "nothing", "x", "new")
+
+
 def fpga_of(tried):
     path = {"from": "posedge clk", "to": "async", "path": [{"delay": 1.5}, {"delay": 2.25}]}
     paths = [path, path | {"path": [{"delay": 3}]}, path | {"from": "async"},
@@ -180,7 +220,6 @@ def fpga_of(tried):
     used = {name: {"used": n, "available": 9} for n, name in cells}
     report = {"utilization": used, "fmax": {"a": {"achieved": 40.0}, "b": {"achieved": 30.0}},
               "critical_paths": paths}  # fmt: skip
-    day = SimpleNamespace(date=SimpleNamespace(today=lambda: datetime.date(2026, 1, 2)))
     page = tried.folder / "page.md"
     rows = "| `isa_mark1` | before |\n| `gone` | b |\n"
     page.write_text(f"<!-- generated: sizes -->\n{rows}<!-- end of sizes -->\n")
@@ -189,7 +228,7 @@ def fpga_of(tried):
         if "--report" in command:
             (build.ROOT / command[-1]).write_text(json.dumps(report))
 
-    tried.put(build, OUT=tried.folder / "out", PAGE=page, datetime=day)
+    tried.put(build, OUT=tried.folder / "out", PAGE=page, datetime=DAY)
     tried.note(build, run=run, committed="1234567")
     tried.put(build, near=lambda path: f"near/{Path(path).name}")
     ends = [tried.end(build, *words) for words in (("no",), ("vme_adaptor",))]

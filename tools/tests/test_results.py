@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import pytest
 
 from mmcs import ROOT
-from tools import file_rules, formal, golden, lint, parsers
+from tools import file_rules, formal, golden, lint, parsers, slang
 from tools.compiled import ran
 from tools.mutation import faults, mutants, mutate
 from tools.tests import making
@@ -40,9 +40,12 @@ class Tried:
         return module.main()
 
     def end(self, module, *words: str):
-        """What it ends with, which may be an exception."""
+        return self.tells(self.main, module, *words)
+
+    def tells(self, function, *given):
+        """What it returns, or the exception that ends it."""
         try:
-            return self.main(module, *words)
+            return function(*given)
         except (Exception, SystemExit) as error:
             return type(error).__name__, str(error)
 
@@ -96,6 +99,10 @@ def lint_of(tried):
     every = lint.checks()
     jobs = [(name, ["echo", "x"]) for name in ("a", "icarus b", "verible")] + [("c", ["false"])]
     tried.put(lint, checks=lambda: [*jobs, ("verible", ["true"])])
+    modules = "module a(input logic x); endmodule\nmodule b; a u(.{}(1'b0)); endmodule\n"
+    for port in "xy":  # the one that is not there parses; only elaboration finds it
+        file = tried.files({"m.sv": modules.format(port)}) / "m.sv"
+        tried.called.append(slang.elaborates(str(file)))
     return every, tried.main(lint), [lint.run(job)[:3] for job in jobs]
 
 
@@ -111,6 +118,7 @@ def formal_of(tried):
     for n, result in enumerate(read):
         formal.read_log(logs[n // 3], result)
     groups = [f for f in formal.groups() if f.stem in ("oneshot", "i8254", "carried")]
+    texts = [formal.text(file) for file in groups]
     verdicts = ["PASS"] * 40 + ["FAIL"]
 
     def prove(file, task):
@@ -124,9 +132,14 @@ def formal_of(tried):
     tried.note(formal, run=prove, committed=None, rewrite=None)
     asked = ((), ("--fast",), ("--only", "oneshot", "--doc"), ("--doc",), (), ("--only", "none"))
     ends = [tried.main(formal, *words) for words in asked]
+    script = "[script]\nread_verilog -sv {no_such_module}\n"
+    for wrong in ("[options]\n\n", "[tasks]\nprove\nx\n[options]\n", ""):
+        groups[:] = [tried.files({"g.sby": wrong + script}) / "g.sby"]
+        formal.text.cache_clear()
+        ends.append(tried.end(formal))
     tried.put(formal, NEEDED=("true", "no-such-tool"))
     told = [(dataclasses.asdict(result), result.status()) for result in read]
-    return told, ends, tried.main(formal), [formal.text(file) for file in groups]
+    return told, ends, tried.main(formal), texts
 
 
 def parsers_of(tried):
