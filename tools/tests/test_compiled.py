@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is compiled for tests is made anew when anything that it reads changes, and only then."""
 
-import subprocess
-
 import pytest
 
 from tools import compiled as module
-from tools.compiled import CompileError, compiled
+from tools.compiled import CompileError, compiled, ran
 
 
 @pytest.fixture
 def program(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "STORE", tmp_path / "store")
     (tmp_path / "said.h").write_text('#define SAID "one"\n')
-    (tmp_path / "a.c").write_text(
-        '#include <stdio.h>\n#include "said.h"\nint main(void) { return puts(SAID) < 0; }\n'
-    )
+    text = '#include <stdio.h>\n#include "said.h"\nint main(void) { return puts(SAID) < 0; }\n'
+    (tmp_path / "a.c").write_text(text)
 
     def make(*flags):
         return compiled("program", ["cc", *flags], [tmp_path / "a.c"])
@@ -24,7 +21,7 @@ def program(tmp_path, monkeypatch):
 
 
 def said(path):
-    return subprocess.run([path], text=True, capture_output=True, check=True).stdout
+    return ran(path, check=True).stdout
 
 
 def test_nothing_is_made_twice(program, monkeypatch):

@@ -4,7 +4,6 @@
 from pathlib import Path
 
 from mmcs import ROOT
-from tools import slang
 from tools.sources import made_of, manifest, sources
 
 
@@ -19,12 +18,3 @@ def test_a_chip_has_what_it_is_made_of():
     benches = [Path(file).stem for file in sets["benches"]["files"]]
     for chip in (name.removesuffix("_tb") for name in benches if name.endswith("_tb")):
         assert sets[chip]["files"] == [str(f) for f in made_of(chip)]
-
-
-def test_an_error_of_slang_is_told(tmp_path):
-    """A port that is not there parses; only elaboration finds it."""
-    file = tmp_path / "wrong.sv"
-    file.write_text("module a(input logic x); endmodule\nmodule b; a u(.y(1'b0)); endmodule\n")
-    assert not slang.elaborates(str(file))
-    file.write_text("module a(input logic x); endmodule\nmodule b; a u(.x(1'b0)); endmodule\n")
-    assert slang.elaborates(str(file))

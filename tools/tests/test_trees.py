@@ -35,23 +35,11 @@ MAY_IMPORT = {
     "bridges": ((), ("mmcs",)),
     "fpga": (("fpga/tests/", "fpga/netlists/"), ("fpga.build", "tools.pages", "tools.sources")),
     "cocotb_tests": (
-        (
-            "cocotb_tests/adaptor/driver.py",
-            "cocotb_tests/dpi/",
-            "cocotb_tests/lib/runner.py",
-        ),
+        ("cocotb_tests/adaptor/driver.py", "cocotb_tests/dpi/", "cocotb_tests/lib/runner.py"),
         ("cocotb_tests", "mmcs", "mmcs.regs", "tools.sources"),
     ),
 }
 OURS = ("mmcs", "cocotb_tests", "tools", "bridges", "studies", "fpga", "firmware", "web", "sim")
-
-
-def included(path: str) -> list[str]:
-    return re.findall(r'^\s*[#`]include "([^"]+)"', (ROOT / path).read_text(), re.M)
-
-
-def is_below(folder: str, others) -> bool:
-    return any(f"{folder}/".startswith(f"{other}/") for other in others)
 
 
 @pytest.mark.parametrize("folder", MAY_INCLUDE)
@@ -60,11 +48,10 @@ def test_headers_come_from_the_trees_that_it_knows(folder):
     files = [f for f in FILES if f.startswith(f"{folder}/") and f.endswith(endings)]
     assert files
     for path in files:
-        for name in included(path):
-            homes = [str(h.parent) for h in HEADERS if h.name == Path(name).name]
-            assert not homes or any(is_below(home, known) for home in homes), (
-                f"{path} includes {name} of {' or '.join(homes)}"
-            )
+        for name in re.findall(r'^\s*[#`]include "([^"]+)"', (ROOT / path).read_text(), re.M):
+            homes = [h.parent for h in HEADERS if h.name == Path(name).name]
+            met = [home for home in homes if any(home.is_relative_to(other) for other in known)]
+            assert met or not homes, f"{path} includes {name} of {homes}"
 
 
 def test_the_driver_needs_no_library():
