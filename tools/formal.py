@@ -19,6 +19,7 @@ import os
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -180,7 +181,8 @@ def run(file: Path, task: str, folder: Path = ROOT) -> Result:
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
     result.seconds = used.ru_utime + used.ru_stime
-    if result.verdict == "ERROR" and result.seconds > 0.8 * LIMIT_S:
+    killed = process.returncode == -signal.SIGKILL  # by the limit, which counts ticks
+    if result.verdict == "ERROR" and (killed or result.seconds > 0.8 * LIMIT_S):
         result.verdict, result.note = "TIMEOUT", f"not done after {LIMIT_S} s of processor time"
     return result
 
@@ -251,8 +253,7 @@ def main() -> int:
     parser.add_argument("--only", default="", metavar="TEXT")
     parser.add_argument("--doc", action="store_true")
     args = parser.parse_args()
-    missing = [tool for tool in NEEDED if not shutil.which(tool)]
-    if missing:
+    if missing := [tool for tool in NEEDED if not shutil.which(tool)]:
         print(f"formal: {missing[0]} is missing; `make formal` installs it", file=sys.stderr)
         return 2
     files = [f for f in groups() if args.only in f.stem]

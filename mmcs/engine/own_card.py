@@ -24,7 +24,7 @@ def library(texts: list[str], files: list[str], slots: list, clk_hz: int) -> Pat
     path = folder / "card.so"
     if is_whole(path):
         return path
-    with one_at_a_time(LOG.parent / "card.lock"):
+    with one_at_a_time(LOG.parent / "build.lock"):  # whose holder may remove what is linked here
         folder.mkdir(parents=True, exist_ok=True)
         for n, text in enumerate(texts):
             (folder / f"card{n}.sv").write_text(text)
