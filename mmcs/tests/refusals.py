@@ -15,7 +15,7 @@ from types import SimpleNamespace as Of
 import numpy as np
 import pytest
 
-from mmcs import ROBOTS, mcdef, screen, setup_file
+from mmcs import ROBOTS, files, mcdef, screen, setup_file
 from mmcs.runs import record, report
 from mmcs.scenario.load import load_robot
 from mmcs.sweeps.campaign_report import wilson
@@ -88,7 +88,7 @@ def a_setup_file(path):
     yield told(load_robot, str(path / "c.toml"))
 
 
-def ends(_):
+def ends(path):
     """(standard files that are closed, what a fault is noticed by, how a page's lease is had)"""
     asked, locale = Recorder(), Recorder("utf-8", "ANSI_X3.4-1968")
     with pytest.MonkeyPatch.context() as patch:
@@ -127,6 +127,11 @@ def ends(_):
             patch.setattr(waves, "shutil", Of(which=lambda name, there=there: name == there))
             patch.setattr(waves, "os", Of(environ={display: "0"}))
             waves.open_viewer(Path("a.fst"))
+    (path / "a.json").write_text("[1, 2]")
+    for most in (5, 6):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(files, "MAX_JSON", most)
+            seen.append(told(files.read_json, path / "a.json"))
     current, modes = np.array([0, 299, -300, 2046, -2047, 2048]), ("off", "torque")
     for ilim, ilimax, mode in itertools.product((0, 300, 2047, 3000), (0, 9), modes):
         param = {"ilim": ilim, "ilimax": ilimax, "mode": mode}
@@ -138,5 +143,5 @@ def ends(_):
 REFUSALS = {
     "records": inside(lambda path: list(a_record(path))),
     "set-up files": inside(lambda path: list(a_setup_file(path))),
-    "unusual ends": ends,
+    "unusual ends": inside(ends),
 }

@@ -62,6 +62,7 @@ SESSIONS = {
     "refused": ["run fault_bus_errors --out a", "run user_loop --out b", "compare a b"],
     "design": [
         "design -p 4 -d 0.1", "design -p 4 -i 9 -d 0.1 --method bilinear --tau 0.001",
+        "design --wn 60 --tau 0.001",
         "design -p 3 -d 0.05 --method prewarp --prewarp 60 --interval 2000 --axis 2",
         "design --wn 60 --zeta 0.7 --kick 50 --toml", "design --wn 80 --robot lab500 --toml",
         "design -p 2 -d 0.1 --method matched --tau 0.002 --scale 256 --axis 4",
@@ -79,7 +80,7 @@ SESSIONS = {
     "campaign": ["campaign arm_move --faults 24 --seed 3 --out c --workers 1"],
     "programs": ["exec --robot puma560", "exec --robot lab500 --interval 2000", "exec --cflags",
                  "exec --cflags --modern", "exec -- true", "exec", "serve lab500 --dev a/b",
-                 "exec --scenario lab500 -- sh -c 'exit 3'", "exec --scenario lab500 -- ./nothing",
+                 "exec --scenario lab500 sh -c 'exit 3'", "exec --scenario lab500 -- ./nothing",
                  "exec --scenario lab500 --lockstep -- sh -c 'kill -9 $$'", "exec --out o -- true",
                  "exec --scenario lab500 -- /etc", "exec --realtime --speed 2 -- true",
                  "exec --scenario lab500 --out o --speed 2 -- true", "exec --speed 2 -- true",

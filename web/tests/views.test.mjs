@@ -366,7 +366,7 @@ test("every control does what it did", async () => {
             drawn.push("focus") }], firstChild: { focus() {} } };
         target.children.unshift(target);
         act({ key: typing === "ArrowLeft" ? typing : "Enter", target, currentTarget: target,
-          preventDefault() {}, stopPropagation() {} });
+          preventDefault: () => drawn.push("kept"), stopPropagation: () => drawn.push("held") });
         await settled();
         one.later();
         await settled();

@@ -143,7 +143,7 @@ static void streams(void) {
   (void)fclose(file);
   file = fdopen(open("/dev/mc0", O_RDWR), "w");
   EXPECT(file != NULL && fwrite(setpoints, sizeof(int), 2, file) == 2 && fclose(file) == 0);
-  EXPECT(fopen("/dev/mc7", "r") == NULL && errno == ENXIO);
+  EXPECT(fopen("/dev/mc9", "r") == NULL && errno == ENXIO);
   EXPECT(fopen("/dev/mc0", "q") == NULL && errno == EINVAL);
 }
 
