@@ -13,6 +13,7 @@ import pytest
 from mmcs import ROOT, RunError, service
 from mmcs.tests.conftest import one_clear_line
 from tools.compiled import ran
+from tools.golden import plain, same
 
 READ_ONLY = """
 import os
@@ -112,6 +113,7 @@ def test_the_wheel_holds_all_that_a_run_is_built_of(tmp_path):
     assert wanted | {"sbom.cdx.json", "THIRD_PARTY.txt"} <= held, sorted(wanted - held)
     assert not [name for name in held if "/tests/" in name]
     assert os.access(tmp_path / "sim" / "device" / "cc_wrapper.sh", os.X_OK)
+    same("bill of materials", plain((tmp_path / "sbom.cdx.json").read_text()))
 
 
 @pytest.mark.parametrize("command, extra", [
