@@ -12,9 +12,11 @@ import pytest
 
 from mmcs import ROOT, run
 from mmcs.scenario import synthesis as ds
+from mmcs.scenario.identify import identify
 from mmcs.scenario.load import load_robot
 from mmcs.scenario.motor import compensation, plant_of
 from mmcs.tests.conftest import good
+from mmcs.tests.inputs import recording
 
 T = 1e-3
 EXTRA = "missing; install it with: uv pip install -e .[test]"
@@ -210,3 +212,13 @@ def test_the_first_hour_tells_what_the_design_expects(mmcs, tmp_path):
     rise, off = re.search(r"rises in (\d+) ms, .* ends (\d+) counts off", said).groups()
     told = f"rises in {rise} ms and ends {off} counts from its setpoint"
     assert told in " ".join(page.split())
+
+
+@pytest.mark.req("TOOL-1")
+@pytest.mark.parametrize(
+    "g,lag,pos,neg", [(150, 3, 300, 350), (760, 2, 70, 106), (1450, 0.3, 105, 105)]
+)
+def test_the_motor_is_found_in_its_motion(g, lag, pos, neg):
+    motor = identify(*recording(g, lag, pos, neg))
+    assert (motor.g, motor.lag) == (pytest.approx(g, rel=0.02), pytest.approx(lag, abs=1.0))
+    assert (motor.tc_pos, motor.tc_neg) == pytest.approx((pos, neg), abs=12)

@@ -231,9 +231,9 @@ def fpga_of(tried):
     tried.put(build, OUT=tried.folder / "out", PAGE=page, datetime=DAY)
     tried.note(build, run=run, committed="1234567")
     tried.put(build, near=lambda path: f"near/{Path(path).name}")
+    tried.put(build.shutil, which=lambda name: "yosys" in name)
     ends = [tried.end(build, *words) for words in (("no",), ("vme_adaptor",))]
     tried.put(build, near=str)
-    tried.put(build.shutil, which=lambda name: "yosys" in name)
     ends.append(tried.end(build, "isa_mark1"))
     tried.put(build.shutil, which=lambda name: True)
     ends += [tried.end(build, "vme_adaptor", "--write"), page.read_text()]
@@ -273,7 +273,7 @@ def lockstep_of(tried):
 def website_of(tried):
     engines = {f"build/sim/web_c{n}/mmcs_sim.{end}": f"mmcs_sim.wasm{n}"
                for n in website.CARDS for end in ("wasm", "mjs")}  # fmt: skip
-    tried.files(engines | {
+    tried.files(engines | {"build/web.new/cut": "",
         "web/index.html": '<title>mctool</title><script src="main.js">', "web/tests/t": "",
         "web/offline.js": 'const files = "FILES", version = "VERSION";', "web/main.js": "",
         "web/engine/sim.js": "s", "lib/p/preact.module.js": "p", "lib/p/other.js": "o",

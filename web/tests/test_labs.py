@@ -14,12 +14,12 @@ ROWS = """() => [...document.querySelectorAll("#lab-marks tbody tr")]
   .map((row) => [...row.cells].map((cell) => cell.textContent))"""
 
 
-def open_sheet(desk, number: int) -> None:
-    page = desk.page
-    page.click("#tab-labs")
-    unfold(page, "#lab-sheet", str(number))
-    title = find_sheet(str(number)).title
-    desk.until("t => document.querySelector('.lab-text h1').textContent === t", title)
+def open_sheet(desk, number: int):
+    desk.page.click("#tab-labs")
+    unfold(desk.page, "#lab-sheet", str(number))
+    sheet = find_sheet(str(number))
+    desk.until("t => document.querySelector('.lab-text h1').textContent === t", sheet.title)
+    return sheet
 
 
 def fill(page, answer: dict) -> None:
@@ -42,8 +42,8 @@ def check(desk) -> str:
 def test_a_sheet_is_read_answered_and_graded_as_by_the_command(desk, tmp_path):
     ensure_library(1, "speed")  # the page would wait for it, too, but not the test
     page = desk.page
-    open_sheet(desk, 1)
-    sheet = find_sheet("1")
+    open_sheet(desk, 2)
+    sheet = open_sheet(desk, 1)
     for student in ("bad", "good"):  # the manual has no right answers
         path = LABS / "01_velocity" / "tests" / f"{student}.toml"
         fill(page, tomllib.loads(path.read_text()))
