@@ -64,10 +64,9 @@ def setup_of(path: Path, data: dict, files: dict[str, str]) -> Setup:
         try:
             setup = make_setup(made, data)
         except InputError as error:  # this folder will be gone
-            named = {str(made): str(path)}
-            raise InputError(
-                *(replace(one, file=named.get(one.file, one.file)) for one in error.mistakes)
-            ) from None
+            old, new = str(made), str(path)
+            told = (replace(one, file=one.file.replace(old, new)) for one in error.mistakes)
+            raise InputError(*told) from None
     setup.path = path
     return setup
 

@@ -82,7 +82,8 @@ def a_setup_file(path):
     yield told(setup_file.source, found | {"source": found["source"][0:0]})
     (path / "b.bin").write_bytes(whole[:-1])
     asked = ("run b.bin", "check a.bin", "check b.bin", "check a.bin --set nothing=1",
-             "check a.bin --set clk_hz=9", "run a.bin --set duration=0.02 --out r")  # fmt: skip
+             "check a.bin --set clk_hz=9", "run a.bin --set duration=0.02 --out r",
+             "check a.bin --set robot.axis.0.gear=0")  # fmt: skip
     yield [call(*words.split()) for words in asked]
     (path / "c.toml").write_text((ROBOTS / "lab500.toml").read_text() + "x = 1\n")
     yield told(load_robot, str(path / "c.toml"))
