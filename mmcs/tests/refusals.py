@@ -12,11 +12,10 @@ import zlib
 from pathlib import Path
 from types import SimpleNamespace as Of
 
-import numpy as np
 import pytest
 
 from mmcs import ROBOTS, files, mcdef, screen, setup_file
-from mmcs.runs import record, report
+from mmcs.runs import record
 from mmcs.scenario.load import load_robot
 from mmcs.sweeps.campaign_report import wilson
 from mmcs.sweeps.twin import Twin
@@ -133,10 +132,6 @@ def ends(path):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(files, "MAX_JSON", most)
             seen.append(told(files.read_json, path / "a.json"))
-    current, modes = np.array([0, 299, -300, 2046, -2047, 2048]), ("off", "torque")
-    for ilim, ilimax, mode in itertools.product((0, 300, 2047, 3000), (0, 9), modes):
-        param = {"ilim": ilim, "ilimax": ilimax, "mode": mode}
-        seen.append(report.limited(current, param).astype(int).tolist())
     seen += [wilson(*one) for one in ((0, 0), (0, 9), (9, 9), (1, 100), (99, 100))]
     return asked.calls, locale.calls, seen
 
